@@ -1,0 +1,70 @@
+#include <recede/geometry/atomic_file.h>
+#include <recede/geometry/error.h>
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <string>
+
+namespace recede {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+[[noreturn]] void fail(const fs::path& path, int error) {
+  throw InputError::in_file(path.string(), std::strerror(error));
+}
+
+}  // namespace
+
+void write_file_atomically(const fs::path& path, std::string_view content) {
+  // The process id keeps two writers of one target apart; the last rename wins, and both files were whole.
+  const fs::path beside = path.string() + ".part" + std::to_string(::getpid());
+  File file(std::fopen(beside.c_str(), "wb"));
+  if (!file) fail(path, errno);
+  bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
+  const int write_error = errno;
+  written = std::fclose(file.release()) == 0 && written;
+  if (!written) {
+    const int error = write_error != 0 ? write_error : errno;
+    std::remove(beside.c_str());
+    fail(path, error);
+  }
+  std::error_code renamed;
+  fs::rename(beside, path, renamed);
+  if (renamed) {
+    std::remove(beside.c_str());
+    throw InputError::in_file(path.string(), renamed.message());
+  }
+}
+
+std::string read_whole_file(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) throw InputError::in_file(path.string(), "is a folder");
+  File file(std::fopen(path.c_str(), "rb"));
+  if (!file) fail(path, errno);
+  std::string content;
+  const auto size = fs::file_size(path, ignored);
+  if (!ignored) content.reserve(size);
+  constexpr std::size_t k_block = std::size_t{1} << 20;  // a megabyte a read: few calls, little slack
+  for (;;) {
+    const std::size_t before = content.size();
+    content.resize(before + k_block);
+    const std::size_t got = std::fread(content.data() + before, 1, k_block, file.get());
+    content.resize(before + got);
+    if (got == 0) break;
+  }
+  if (std::ferror(file.get()) != 0) fail(path, errno);
+  return content;
+}
+
+}  // namespace recede

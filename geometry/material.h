@@ -1,0 +1,18 @@
+// What a face is made of, as far as the file formats carry it.
+#pragma once
+
+#include <recede/geometry/vec.h>
+
+#include <string>
+
+namespace recede {
+
+/// A named material. Faces refer to materials by their position in a list.
+struct Material {
+  std::string name;
+  Vec4 base_color{0.8, 0.8, 0.8, 1.0};  ///< linear red, green, blue and opacity, 0 to 1
+  std::string base_color_texture;       ///< path or URI as written in the file; empty: none
+  friend bool operator==(const Material&, const Material&) = default;
+};
+
+}  // namespace recede

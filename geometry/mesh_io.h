@@ -1,0 +1,34 @@
+// Meshes in and out: OBJ, PLY, STL, OFF, glTF and GLB, chosen by the file name's extension.
+#pragma once
+
+#include <recede/geometry/polygon_mesh.h>
+#include <recede/geometry/progress.h>
+
+#include <filesystem>
+
+namespace recede {
+
+/// What a file holds, nothing merged or dropped. Per-vertex texture coordinates and normals of formats without corner
+/// attributes are copied to the corners. Throws `InputError` with line or byte.
+PolygonSoup read_soup(const std::filesystem::path& path, Progress* progress = nullptr);
+
+/// `read_soup`, then `repair_to_polygon_mesh`; the report says what each step changed.
+MeshFromSoup read_mesh(const std::filesystem::path& path, Progress* progress = nullptr);
+
+/// How a mesh is written. Formats that can't hold something (n-gons in STL and glTF, names in STL) write what they can
+/// and `written_without` says in words what is missing.
+struct WriteResult {
+  std::uintmax_t bytes = 0;
+  std::vector<std::string> written_without;
+};
+
+struct WriteOptions {
+  bool ascii = false;            ///< PLY and STL: text instead of little-endian binary
+  bool double_precision = true;  ///< binary PLY: 8-byte positions
+};
+
+/// Writes beside the target and renames, so that no half-written file is ever seen.
+WriteResult write_soup(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options = {});
+WriteResult write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh, const WriteOptions& options = {});
+
+}  // namespace recede
