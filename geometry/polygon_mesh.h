@@ -4,8 +4,11 @@
 
 #include <recede/geometry/polygon_soup.h>
 
+// clang-format off: EigenVectorT.hh specialises a template that it doesn't include.
+#include <OpenMesh/Core/Utils/vector_traits.hh>
 #include <OpenMesh/Core/Geometry/EigenVectorT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
+// clang-format on
 
 namespace recede {
 
@@ -26,30 +29,30 @@ class PolygonMesh : public OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits> {
   using Kernel = OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits>;
 
   bool has_corner_uvs() const { return corner_uv_.is_valid(); }
-  void add_corner_uvs() { if (!has_corner_uvs()) add_property(corner_uv_, "corner:uv"); }
+  void add_corner_uvs();
   const Vec2& corner_uv(HalfedgeHandle h) const { return property(corner_uv_, h); }
   Vec2& corner_uv(HalfedgeHandle h) { return property(corner_uv_, h); }
 
   /// Normals as given by the input, per corner; (0,0,0) where a corner has none.
   bool has_corner_normals() const { return corner_normal_.is_valid(); }
-  void add_corner_normals() { if (!has_corner_normals()) add_property(corner_normal_, "corner:normal"); }
+  void add_corner_normals();
   const Vec3& corner_normal(HalfedgeHandle h) const { return property(corner_normal_, h); }
   Vec3& corner_normal(HalfedgeHandle h) { return property(corner_normal_, h); }
 
   bool has_vertex_colors() const { return vertex_color_.is_valid(); }
-  void add_vertex_colors() { if (!has_vertex_colors()) add_property(vertex_color_, "vertex:color"); }
+  void add_vertex_colors();
   const Vec4& vertex_color(VertexHandle v) const { return property(vertex_color_, v); }
   Vec4& vertex_color(VertexHandle v) { return property(vertex_color_, v); }
 
   bool has_face_materials() const { return face_material_.is_valid(); }
-  void add_face_materials() { if (!has_face_materials()) add_property(face_material_, "face:material"); }
+  void add_face_materials();
   /// Position in `materials`; `k_no_index` where a face has none.
   Index face_material(FaceHandle f) const { return property(face_material_, f); }
   Index& face_material(FaceHandle f) { return property(face_material_, f); }
 
   /// Edges that operations must keep, beside borders and seams.
   bool has_feature_edges() const { return edge_feature_.is_valid(); }
-  void add_feature_edges() { if (!has_feature_edges()) add_property(edge_feature_, "edge:feature"); }
+  void add_feature_edges();
   bool is_feature_edge(EdgeHandle e) const { return has_feature_edges() && property(edge_feature_, e) != 0; }
   void set_feature_edge(EdgeHandle e, bool feature) { property(edge_feature_, e) = feature ? 1 : 0; }
 

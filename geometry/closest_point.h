@@ -1,0 +1,57 @@
+// The nearest point of a triangle surface, by a bounding volume hierarchy in double precision.
+#pragma once
+
+#include <recede/geometry/polygon_soup.h>
+
+#include <limits>
+
+namespace recede {
+
+/// A triangle by its corners.
+struct Triangle {
+  Vec3 a, b, c;
+};
+
+/// The point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5). Triangles of zero area
+/// are segments or points.
+Vec3 closest_point_on_triangle(const Vec3& p, const Triangle& triangle);
+
+/// Answers nearest-point queries on a fixed set of triangles. Queries may run in parallel.
+class ClosestPointTree {
+ public:
+  struct Hit {
+    double squared_distance = std::numeric_limits<double>::infinity();
+    Index triangle = k_no_index;  ///< its number in the list that the tree was built from
+    Vec3 point = Vec3::Zero();
+  };
+
+  /// `triangles` holds three vertex indices each; there must be at least one triangle.
+  ClosestPointTree(const std::vector<Vec3>& positions, const std::vector<Index>& triangles);
+
+  /// The nearest point. `hint`, a triangle thought to be near, makes a run of neighbouring queries faster; among
+  /// equally near triangles the result may depend on it, the distance never does.
+  Hit closest(const Vec3& p, Index hint = k_no_index) const;
+
+  Triangle triangle(Index number) const { return triangles_[place_[number]]; }
+  std::size_t size() const { return triangles_.size(); }
+
+ private:
+  struct Node {
+    // Boxes of both children side by side: one visit reads one place in memory.
+    Vec3 lower[2], upper[2];
+    // Inner child: its node. Leaf: first triangle | count << 28 | leaf bit.
+    Index child[2];
+  };
+  struct Range;
+
+  Index build(std::vector<Index>& order, const std::vector<Vec3>& centers, std::size_t first, std::size_t last,
+              Box3& box, int depth);
+  void test_leaf(const Vec3& p, Index leaf, Hit& best) const;
+
+  std::vector<Triangle> triangles_;  // in the order of the leaves
+  std::vector<Index> number_;        // of each in the list given
+  std::vector<Index> place_;         // inverse of number_
+  std::vector<Node> nodes_;
+};
+
+}  // namespace recede

@@ -1,0 +1,88 @@
+#include <recede/geometry/detail/format_io.h>
+#include <recede/geometry/error.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace recede::detail {
+
+void InputFile::fail(const std::string& reason) const { throw InputError::in_file(name, reason); }
+
+void InputFile::fail_at_line(std::size_t line, const std::string& reason) const {
+  throw InputError::at_line(name, line, reason);
+}
+
+void InputFile::fail_at_byte(std::size_t offset, const std::string& reason) const {
+  throw InputError::at_byte(name, offset, reason);
+}
+
+void ReadProgress::report(std::size_t offset) {
+  constexpr std::size_t k_bytes_between_reports = std::size_t{4} << 20;
+  next_ = offset + k_bytes_between_reports;
+  const double size = static_cast<double>(std::max<std::size_t>(file_.content.size(), 1));
+  report_progress(file_.progress, "read", std::min(1.0, static_cast<double>(offset) / size));
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t k_longest = 40;
+  std::string result = "'";
+  for (const char c : text.substr(0, k_longest)) result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > k_longest ? "...'" : "'");
+}
+
+void check_countable(const InputFile& file, std::size_t size, std::string_view elements) {
+  if (size >= k_no_index) file.fail(fmt::format("more than {} {} can't be numbered", k_no_index - 1, elements));
+}
+
+namespace {
+
+std::size_t count_isolated_vertices(const PolygonSoup& soup) {
+  std::vector<bool> used(soup.positions.size(), false);
+  for (const Index vertex : soup.corner_vertices) used[vertex] = true;
+  return static_cast<std::size_t>(std::count(used.begin(), used.end(), false));
+}
+
+std::size_t count_polygons(const PolygonSoup& soup) {
+  std::size_t polygons = 0;
+  for (std::size_t face = 0; face < soup.n_faces(); ++face) polygons += soup.face_size(face) > 3 ? 1 : 0;
+  return polygons;
+}
+
+}  // namespace
+
+std::vector<std::string> left_out(const PolygonSoup& soup, const FormatAbility& ability) {
+  std::vector<std::string> result;
+  const auto add = [&result](std::size_t count, const char* one, const char* many) {
+    if (count > 0) result.push_back(fmt::format("{} {}", count, count == 1 ? one : many));
+  };
+  if (!ability.polygons) {
+    add(count_polygons(soup), "polygon with more than three corners (cut into triangles)",
+        "polygons with more than three corners (cut into triangles)");
+  }
+  if (!ability.isolated_vertices) {
+    add(count_isolated_vertices(soup), "vertex that no face uses", "vertices that no face uses");
+  }
+  if (!ability.corner_uvs && !soup.corner_uvs.empty()) result.emplace_back("texture coordinates");
+  if (!ability.corner_normals && !soup.corner_normals.empty()) result.emplace_back("normals");
+  if (!ability.vertex_colors && !soup.vertex_colors.empty()) result.emplace_back("vertex colours");
+  if (!ability.materials) add(soup.materials.size(), "material", "materials");
+  if (!ability.feature_edges) add(soup.feature_edges.size(), "feature edge", "feature edges");
+  return result;
+}
+
+float to_float(double value) {
+  if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) {
+    throw InputError(fmt::format("{} exceeds the range of 32-bit floats", value));
+  }
+  return static_cast<float>(value);
+}
+
+bool loses_digits_as_float(const PolygonSoup& soup) {
+  return std::any_of(soup.positions.begin(), soup.positions.end(),
+                     [](const Vec3& p) { return p.cast<float>().cast<double>() != p; });
+}
+
+}  // namespace recede::detail

@@ -1,0 +1,50 @@
+// Several meshes in one glTF 2.0 file, with access to the JSON for extensions and extras.
+#pragma once
+
+#include <recede/geometry/polygon_soup.h>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <memory>
+#include <string>
+
+namespace recede {
+
+/// Builds a glTF document with one buffer. Meshes become triangles, one primitive for each material, with
+/// vertices split where the attributes of their corners differ. Positions are 32-bit floats; a mesh far from
+/// the origin is stored around its own centre, and its nodes carry the offset as their translation. Texture
+/// coordinates are turned from v up (OBJ, PLY) to glTF's v down. Equal materials of several meshes are
+/// written once.
+class GltfBuilder {
+ public:
+  GltfBuilder();
+  GltfBuilder(GltfBuilder&&) noexcept;
+  GltfBuilder& operator=(GltfBuilder&&) noexcept;
+  ~GltfBuilder();
+
+  /// Adds a mesh and returns its position in `meshes`. Corner normals are made unit length; where some corner
+  /// has none, the face's normal is written. Throws `InputError` for a soup without triangles (glTF can't
+  /// hold it) or with values outside the range of floats.
+  int add_mesh(const PolygonSoup& soup, const std::string& name);
+
+  /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
+  int add_node(int mesh, const std::string& name);
+
+  /// Puts a node into the document's scene.
+  void add_to_scene(int node);
+
+  /// The document without `buffers`, which `to_glb` and `to_gltf` add. Nodes, scenes and meshes may get
+  /// extensions and extras; `extensionsUsed` is the caller's to fill.
+  nlohmann::json& document();
+
+  /// A binary file. Throws `InputError` when it exceeds 4 GiB.
+  std::string to_glb() const;
+  /// A text file with its buffer inside.
+  std::string to_gltf() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace recede

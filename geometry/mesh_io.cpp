@@ -1,0 +1,111 @@
+#include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/format_io.h>
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <new>
+
+namespace recede {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Format {
+  std::string_view extension;
+  PolygonSoup (*read)(const detail::InputFile&);
+  detail::OutputFile (*write)(const fs::path&, const PolygonSoup&, const WriteOptions&);
+};
+
+constexpr std::array<Format, 6> k_formats{{{".obj", detail::read_obj, detail::format_obj},
+                                           {".ply", detail::read_ply, detail::format_ply},
+                                           {".stl", detail::read_stl, detail::format_stl},
+                                           {".off", detail::read_off, detail::format_off},
+                                           {".gltf", detail::read_gltf, detail::format_gltf},
+                                           {".glb", detail::read_gltf, detail::format_glb}}};
+
+const Format& format_of(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const Format& format : k_formats) {
+    if (format.extension == extension) return format;
+  }
+  throw InputError::in_file(path.string(), "unknown kind of mesh file; known are .obj .ply .stl .off .gltf .glb");
+}
+
+// A normal that isn't a number is no normal: exporters write it for triangles without area. Texture coordinates and
+// colours have no such reading.
+void check_attributes(PolygonSoup& soup, const std::string& source) {
+  for (Vec3& normal : soup.corner_normals) {
+    if (!normal.allFinite()) normal.setZero();
+  }
+  for (std::size_t corner = 0; corner < soup.corner_uvs.size(); ++corner) {
+    if (soup.corner_uvs[corner].allFinite()) continue;
+    throw InputError::in_file(
+        source, fmt::format("texture coordinate at vertex {} isn't finite", soup.corner_vertices[corner]));
+  }
+  for (std::size_t vertex = 0; vertex < soup.vertex_colors.size(); ++vertex) {
+    if (soup.vertex_colors[vertex].allFinite()) continue;
+    throw InputError::in_file(source, fmt::format("colour of vertex {} isn't finite", vertex));
+  }
+}
+
+PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* progress) {
+  PolygonSoup soup;
+  {
+    // The text goes as soon as it is read: it may be as large as the mesh.
+    const detail::InputFile file{path, path.string(), read_whole_file(path), progress};
+    soup = format.read(file);
+  }
+  if (soup.positions.empty()) throw InputError::in_file(path.string(), "holds no vertices");
+  validate(soup, path.string());
+  check_attributes(soup, path.string());
+  report_progress(progress, "read", 1.0);
+  return soup;
+}
+
+}  // namespace
+
+PolygonSoup read_soup(const fs::path& path, Progress* progress) {
+  const Format& format = format_of(path);
+  try {
+    return read_checked(format, path, progress);
+  } catch (const std::bad_alloc&) {
+    throw InputError::in_file(path.string(), "doesn't fit in memory");
+  }
+}
+
+MeshFromSoup read_mesh(const fs::path& path, Progress* progress) {
+  return repair_to_polygon_mesh(read_soup(path, progress));
+}
+
+WriteResult write_soup(const fs::path& path, const PolygonSoup& soup, const WriteOptions& options) {
+  const Format& format = format_of(path);
+  validate(soup, path.string());
+  detail::OutputFile output;
+  try {
+    output = format.write(path, soup, options);
+  } catch (const InputError& error) {
+    throw InputError::in_file(path.string(), error.what());
+  }
+  WriteResult result{output.content.size(), std::move(output.written_without)};
+  for (const auto& [beside, content] : output.beside) {
+    write_file_atomically(beside, content);
+    result.bytes += content.size();
+  }
+  write_file_atomically(path, output.content);
+  return result;
+}
+
+WriteResult write_mesh(const fs::path& path, const PolygonMesh& mesh, const WriteOptions& options) {
+  return write_soup(path, to_soup(mesh), options);
+}
+
+}  // namespace recede

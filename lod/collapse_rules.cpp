@@ -1,0 +1,226 @@
+// The link condition follows Dey, Edelsbrunner, Guha, Nekhayev 1999 in its form for polygons: the ends of the edge share no
+// neighbours but the third corners of triangles on it.
+#include <recede/lod/detail/collapse_rules.h>
+
+#include <algorithm>
+#include <array>
+
+namespace recede::detail {
+namespace {
+
+void gather_ring(const CornerTable& table, Index of, Index other, std::vector<RingCorner>& ring) {
+  ring.clear();
+  table.each_corner(of, [&](Index corner) {
+    const Index before = table.point[table.previous(corner)], after = table.point[table.next[corner]];
+    const Index f = table.face[corner];
+    ring.push_back({corner, f, table.face_size[f], before, after, before == other || after == other});
+  });
+}
+
+}  // namespace
+
+void EdgeRings::gather(const CornerTable& table, Index removed_point, Index kept_point) {
+  gather_ring(table, removed_point, kept_point, removed);
+  gather_ring(table, kept_point, removed_point, kept);
+}
+
+Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a, Index moved_b, const Vec3& position) {
+  const auto at = [&](Index corner) -> const Vec3& {
+    const Index p = table.point[corner];
+    return p == moved_a || p == moved_b ? position : table.positions[p];
+  };
+  const Index start = table.face_corner[face];
+  const Vec3 origin = at(start);
+  Index corner = table.next[start];
+  Vec3 a = at(corner) - origin;
+  Vec3 sum = Vec3::Zero();
+  for (corner = table.next[corner]; corner != start; corner = table.next[corner]) {
+    const Vec3 b = at(corner) - origin;
+    sum += a.cross(b);
+    a = b;
+  }
+  return sum;
+}
+
+EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second) {
+  const PointClass a = table.classes[first], b = table.classes[second];
+  EdgeFreedom freedom;
+  if (a == PointClass::smooth && b == PointClass::smooth) return {true, true, true, true};
+  if (a != PointClass::smooth && b != PointClass::smooth) {
+    // Both on lines: only along a line, and only if one of them may move along it.
+    if (a == PointClass::fixed && b == PointClass::fixed) return freedom;
+    if (table.edge_kind(first, second) == k_smooth_edge) return freedom;
+  }
+  freedom.may_remove_first = a != PointClass::fixed && (a == PointClass::smooth || b != PointClass::smooth);
+  freedom.may_remove_second = b != PointClass::fixed && (b == PointClass::smooth || a != PointClass::smooth);
+  freedom.may_move = a == PointClass::crease && b == PointClass::crease;
+  freedom.allowed = freedom.may_remove_first || freedom.may_remove_second;
+  return freedom;
+}
+
+CollapseRules::CollapseRules(const CornerTable& table, double least_normal_cosine)
+    : table_(table),
+      least_cosine_(least_normal_cosine),
+      near_removed_(table.positions.size(), 0),
+      third_(table.positions.size(), 0) {}
+
+bool CollapseRules::face_has_both(const RingCorner& corner, Index other) const {
+  if (corner.size == 3 || corner.on_edge) return false;
+  for (Index c = table_.next[corner.corner]; c != corner.corner; c = table_.next[c]) {
+    if (table_.point[c] == other) return true;
+  }
+  return false;
+}
+
+bool CollapseRules::breaks_link(const EdgeRings& rings, const Collapse& collapse) {
+  ++epoch_;
+  thirds_.clear();
+  for (const RingCorner& c : rings.removed) {
+    near_removed_[c.before] = near_removed_[c.after] = epoch_;
+    if (face_has_both(c, collapse.kept)) return true;
+    if (!c.on_edge || c.size != 3) continue;
+    const Index third = c.before == collapse.kept ? c.after : c.before;
+    third_[third] = epoch_;
+    thirds_.push_back(third);
+  }
+  for (const RingCorner& c : rings.kept) {
+    for (const Index p : {c.before, c.after}) {
+      if (p != collapse.removed && near_removed_[p] == epoch_ && third_[p] != epoch_) return true;
+    }
+  }
+  // A third corner must keep a face beside the new point, or a piece of surface would vanish.
+  const auto survives = [&](Index third) {
+    const auto holds = [&](const RingCorner& c) {
+      return (c.before == third || c.after == third) && !(c.on_edge && c.size == 3);
+    };
+    return std::any_of(rings.removed.begin(), rings.removed.end(), holds) ||
+           std::any_of(rings.kept.begin(), rings.kept.end(), holds);
+  };
+  return !std::all_of(thirds_.begin(), thirds_.end(), survives);
+}
+
+/// A triangle with creases on two sides would make them one line.
+bool CollapseRules::closes_crease(const Collapse& collapse) const {
+  return std::any_of(thirds_.begin(), thirds_.end(), [&](Index third) {
+    return table_.classes[third] != PointClass::smooth && table_.classes[collapse.removed] != PointClass::smooth &&
+           table_.edge_kind(collapse.removed, third) != k_smooth_edge &&
+           table_.edge_kind(collapse.kept, third) != k_smooth_edge;
+  });
+}
+
+bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& collapse) {
+  // After the collapse, twins at the new point have the same two neighbours; those of different rings can only share third
+  // corners, so most faces are out at once.
+  shapes_.clear();
+  const auto add = [&](const RingCorner& c, bool from_removed) {
+    if (c.on_edge && c.size == 3) return;
+    if (c.on_edge) {
+      if (!from_removed) return;  // met once, from the removed end
+      const bool kept_is_before = c.before == collapse.kept;
+      const Index at_kept = kept_is_before ? table_.previous(c.corner) : table_.next[c.corner];
+      const Index beyond = table_.point[kept_is_before ? table_.previous(at_kept) : table_.next[at_kept]];
+      shapes_.push_back({beyond, kept_is_before ? c.after : c.before, c.size - 1, c.face});
+    } else if (third_[c.before] == epoch_ && third_[c.after] == epoch_) {
+      shapes_.push_back({c.before, c.after, c.size, c.face});
+    }
+  };
+  for (const RingCorner& c : rings.removed) add(c, true);
+  for (const RingCorner& c : rings.kept) add(c, false);
+  const auto vertices = [&](Index face) {
+    std::vector<Index> points;
+    for (Index i = 0, c = table_.face_corner[face]; i < table_.face_size[face]; ++i, c = table_.next[c]) {
+      if (table_.point[c] != collapse.removed && table_.point[c] != collapse.kept) points.push_back(table_.point[c]);
+    }
+    std::sort(points.begin(), points.end());
+    return points;
+  };
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    for (std::size_t j = i + 1; j < shapes_.size(); ++j) {
+      const Shape &x = shapes_[i], &y = shapes_[j];
+      if (x.size != y.size || std::minmax(x.before, x.after) != std::minmax(y.before, y.after)) continue;
+      if (x.size == 3 || vertices(x.face) == vertices(y.face)) return true;
+    }
+  }
+  return false;
+}
+
+/// True when a corner of a polygon with more than three sides begins to turn the wrong way: the vector area alone
+/// doesn't see a polygon that crosses itself.
+bool CollapseRules::turns_corner(const RingCorner& corner, Index moved, const Collapse& collapse,
+                                 const Vec3& normal_before, const Vec3& normal_after) const {
+  const auto place = [&](Index p, bool after) -> const Vec3& {
+    const bool moves = p == moved || (after && (p == collapse.removed || p == collapse.kept));
+    return after && moves ? collapse.position : table_.positions[p];
+  };
+  const auto turn = [&](Index before, Index middle, Index next, bool after) {
+    const Vec3 &a = place(before, after), &b = place(middle, after), &c = place(next, after);
+    return (b - a).cross(c - b).dot(after ? normal_after : normal_before);
+  };
+  // The corner itself and its two neighbours change; those of the collapsed edge are skipped as they vanish.
+  const Index c0 = corner.corner;
+  for (const Index middle : {table_.previous(c0), c0, table_.next[c0]}) {
+    Index before = table_.previous(middle), next = table_.next[middle];
+    if (corner.on_edge) {
+      const Index other = moved == collapse.removed ? collapse.kept : collapse.removed;
+      if (table_.point[middle] == other) continue;
+      if (table_.point[before] == other && middle == c0) before = table_.previous(before);
+      if (table_.point[next] == other && middle == c0) next = table_.next[next];
+    }
+    const Index p = table_.point[before], q = table_.point[middle], r = table_.point[next];
+    if (turn(p, q, r, false) > 0 && !(turn(p, q, r, true) > 0)) return true;
+  }
+  return false;
+}
+
+std::optional<Refusal> CollapseRules::shape_refusal(const RingCorner& corner, Index moved,
+                                                    const Collapse& collapse) const {
+  const Vec3& from = table_.positions[moved];
+  Vec3 before, after;
+  double longest = 0;
+  if (corner.size == 3) {
+    const Vec3 &p = table_.positions[corner.before], &q = table_.positions[corner.after];
+    before = (q - from).cross(p - from);
+    after = (q - collapse.position).cross(p - collapse.position);
+    longest = std::max((q - collapse.position).squaredNorm(), (p - collapse.position).squaredNorm());
+  } else {
+    before = twice_vector_area(table_, corner.face);
+    after = corner.on_edge ? twice_vector_area(table_, corner.face, collapse.removed, collapse.kept, collapse.position)
+                           : twice_vector_area(table_, corner.face, moved, k_no_index, collapse.position);
+    for (const Index p : {corner.before, corner.after}) {
+      longest = std::max(longest, (table_.positions[p] - collapse.position).squaredNorm());
+    }
+  }
+  const double area_before = before.norm(), area_after = after.norm();
+  // Below this ratio of area to squared side, a normal is rounding noise in coordinates of size 1.
+  constexpr double k_flat = 1e-10;
+  const double longest_before = std::max((table_.positions[corner.before] - from).squaredNorm(),
+                                         (table_.positions[corner.after] - from).squaredNorm());
+  const bool was_flat = !(area_before > k_flat * longest_before);
+  if (!(area_after > k_flat * longest)) {
+    if (was_flat) return std::nullopt;
+    return Refusal::degenerate;
+  }
+  if (was_flat) return std::nullopt;
+  if (!(before.dot(after) > least_cosine_ * area_before * area_after)) return Refusal::flip;
+  if (corner.size > 3 && turns_corner(corner, moved, collapse, before, after)) return Refusal::flip;
+  return std::nullopt;
+}
+
+std::optional<Refusal> CollapseRules::refusal(const EdgeRings& rings, const Collapse& collapse) {
+  if (!collapse.position.allFinite()) return Refusal::degenerate;
+  if (breaks_link(rings, collapse)) return Refusal::topology;
+  if (closes_crease(collapse)) return Refusal::border;
+  if (makes_duplicate(rings, collapse)) return Refusal::duplicate;
+  for (const RingCorner& c : rings.removed) {
+    if (c.on_edge && c.size == 3) continue;
+    if (const auto refused = shape_refusal(c, collapse.removed, collapse)) return refused;
+  }
+  if (collapse.position == table_.positions[collapse.kept]) return std::nullopt;
+  for (const RingCorner& c : rings.kept) {
+    if (c.on_edge) continue;  // those were seen from the removed end
+    if (const auto refused = shape_refusal(c, collapse.kept, collapse)) return refused;
+  }
+  return std::nullopt;
+}
+
+}  // namespace recede::detail

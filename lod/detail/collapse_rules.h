@@ -1,0 +1,66 @@
+// Which collapses are legal: the class of the ends, the link condition, duplicates, and what happens to the polygons.
+#pragma once
+
+#include <recede/lod/detail/corner_table.h>
+#include <recede/lod/simplify.h>
+
+#include <optional>
+
+namespace recede::detail {
+
+/// A live corner of a point with what stands beside it in its face.
+struct RingCorner {
+  Index corner, face, size;
+  Index before, after;  ///< points of the previous and the next corner
+  bool on_edge;         ///< the face has the edge in question
+};
+
+/// Both rings of an edge; kept between edges so that no memory is allocated.
+struct EdgeRings {
+  std::vector<RingCorner> removed, kept;
+  void gather(const CornerTable& table, Index removed_point, Index kept_point);
+};
+
+/// Twice the vector area of a face, with `moved_a` and `moved_b` standing at `position` (k_no_index: nothing moves).
+Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a = k_no_index, Index moved_b = k_no_index,
+                       const Vec3& position = Vec3::Zero());
+
+/// Which end of the edge may go and where the other may then stand.
+struct EdgeFreedom {
+  bool allowed = false;
+  bool may_remove_first = false;   ///< first may go to second's place
+  bool may_remove_second = false;  ///< second may go to first's place
+  bool may_move = false;           ///< the remaining point may leave its place
+};
+EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second);
+
+/// Tests collapses on one table. Not thread-safe: it marks points.
+class CollapseRules {
+ public:
+  /// `least_normal_cosine`: a polygon may turn in one collapse until the cosine between its normals falls to this.
+  CollapseRules(const CornerTable& table, double least_normal_cosine);
+
+  /// Why the collapse is refused, or nothing. `rings` are those of the edge.
+  std::optional<Refusal> refusal(const EdgeRings& rings, const Collapse& collapse);
+
+ private:
+  bool breaks_link(const EdgeRings& rings, const Collapse& collapse);
+  bool face_has_both(const RingCorner& corner, Index other) const;
+  bool closes_crease(const Collapse& collapse) const;
+  bool makes_duplicate(const EdgeRings& rings, const Collapse& collapse);
+  std::optional<Refusal> shape_refusal(const RingCorner& corner, Index moved, const Collapse& collapse) const;
+  bool turns_corner(const RingCorner& corner, Index moved, const Collapse& collapse, const Vec3& normal_before,
+                    const Vec3& normal_after) const;
+
+  const CornerTable& table_;
+  double least_cosine_;
+  std::vector<Index> near_removed_, third_;  // epoch in which a point was marked
+  Index epoch_ = 0;
+  std::vector<Index> thirds_;
+  struct Shape {
+    Index before, after, size, face;
+  };
+  std::vector<Shape> shapes_;
+};
+
+}  // namespace recede::detail

@@ -1,0 +1,62 @@
+// What the two ways of choosing collapses have in common: limits, counts, and committing a collapse.
+#pragma once
+
+#include <recede/lod/detail/collapse_rules.h>
+#include <recede/lod/detail/corner_table.h>
+#include <recede/lod/simplify.h>
+
+#include <memory>
+
+namespace recede::detail {
+
+/// A target in absolute numbers and table units.
+struct Limits {
+  std::size_t faces = 0, vertices = 0;  ///< 0: none
+  double error = 0;                     ///< table units; infinity: none
+};
+
+/// Counts since the start of the run.
+struct RunCounts {
+  std::size_t collapses = 0, interior_collapses = 0, removed_faces = 0, lost_sides = 0, passes = 0;
+  double error = 0;  ///< table units
+  RefusedCollapses refused;
+};
+
+/// A table under simplification. A strategy derives from it and chooses the collapses.
+class Simplifier {
+ public:
+  Simplifier(CornerTable table, const SimplifyOptions& options, double least_normal_cosine)
+      : table_(std::move(table)), options_(options), rules_(table_, least_normal_cosine) {}
+  virtual ~Simplifier() = default;
+  Simplifier(const Simplifier&) = delete;
+  Simplifier& operator=(const Simplifier&) = delete;
+
+  /// Collapses edges until a limit is reached or nothing is left to do.
+  StopReason run(const Limits& limits, Progress* progress);
+
+  const CornerTable& table() const { return table_; }
+  const RunCounts& counts() const { return counts_; }
+
+ protected:
+  /// One pass or sweep under `limits`. Returns how many collapses it made.
+  virtual std::size_t pass(const Limits& limits, Progress* progress) = 0;
+
+  bool reached(const Limits& limits) const {
+    return (limits.faces > 0 && table_.n_alive_faces <= limits.faces) ||
+           (limits.vertices > 0 && table_.n_alive_points <= limits.vertices);
+  }
+  /// Share of the way from `start_faces_` to the limit, for progress.
+  double fraction_done(const Limits& limits) const;
+  void count(const CollapseEffect& effect);
+
+  CornerTable table_;
+  SimplifyOptions options_;
+  CollapseRules rules_;
+  RunCounts counts_;
+  std::size_t start_faces_ = 0, start_points_ = 0;
+};
+
+std::unique_ptr<Simplifier> make_quadric_simplifier(CornerTable table, const SimplifyOptions& options);
+std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table, const SimplifyOptions& options);
+
+}  // namespace recede::detail

@@ -1,0 +1,170 @@
+#include <recede/geometry/error.h>
+#include <recede/lod/detail/simplifier.h>
+#include <recede/lod/simplify.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace recede {
+
+std::string_view to_string(StopReason reason) {
+  switch (reason) {
+    case StopReason::face_target: return "face target reached";
+    case StopReason::vertex_target: return "vertex target reached";
+    case StopReason::error_target: return "error target reached";
+    case StopReason::no_collapse_left: return "no permitted collapse left";
+  }
+  return "";
+}
+
+std::string_view to_string(Refusal refusal) {
+  switch (refusal) {
+    case Refusal::border: return "border";
+    case Refusal::topology: return "topology";
+    case Refusal::duplicate: return "duplicate";
+    case Refusal::flip: return "flip";
+    case Refusal::degenerate: return "degenerate";
+    case Refusal::deviation: return "deviation";
+    case Refusal::error: return "error";
+    case Refusal::count: break;
+  }
+  return "";
+}
+
+namespace detail {
+
+double Simplifier::fraction_done(const Limits& limits) const {
+  double done = 0;
+  const auto share = [](std::size_t start, std::size_t now, std::size_t goal) {
+    return start > goal ? static_cast<double>(start - now) / static_cast<double>(start - goal) : 1.0;
+  };
+  if (limits.faces > 0) done = std::max(done, share(start_faces_, table_.n_alive_faces, limits.faces));
+  if (limits.vertices > 0) done = std::max(done, share(start_points_, table_.n_alive_points, limits.vertices));
+  if (limits.faces == 0 && limits.vertices == 0) done = share(start_faces_, table_.n_alive_faces, 0);
+  return std::clamp(done, 0.0, 1.0);
+}
+
+void Simplifier::count(const CollapseEffect& effect) {
+  ++counts_.collapses;
+  if (effect.edge_faces == 2) ++counts_.interior_collapses;
+  counts_.removed_faces += effect.removed_faces;
+  counts_.lost_sides += effect.lost_sides;
+}
+
+StopReason Simplifier::run(const Limits& limits, Progress* progress) {
+  start_faces_ = table_.n_alive_faces;
+  start_points_ = table_.n_alive_points;
+  const auto refused_for_error = [&] { return counts_.refused[Refusal::error]; };
+  report_progress(progress, "simplify", 0);
+  while (!reached(limits)) {
+    const std::size_t refused_before = refused_for_error();
+    if (pass(limits, progress) == 0) {
+      return refused_for_error() > refused_before ? StopReason::error_target : StopReason::no_collapse_left;
+    }
+    report_progress(progress, "simplify", fraction_done(limits));
+  }
+  const bool by_faces = limits.faces > 0 && table_.n_alive_faces <= limits.faces;
+  return by_faces ? StopReason::face_target : StopReason::vertex_target;
+}
+
+}  // namespace detail
+
+namespace {
+
+using detail::Limits;
+using Clock = std::chrono::steady_clock;
+
+void require(bool condition, const char* text) {
+  if (!condition) throw OptionError(text);
+}
+
+void check(const SimplifyOptions& options) {
+  require(options.normal_threshold >= -1 && options.normal_threshold <= 1, "normal_threshold must lie in [-1, 1]");
+  require(options.candidate_share > 0 && options.candidate_share <= 1, "candidate_share must lie in (0, 1]");
+  require(options.placement != VertexPlacement::optimal || options.cost == CostPolicy::quadric,
+          "placement optimal needs the cost quadric");
+}
+
+void check(const SimplifyTarget& target) {
+  require(!target.faces || *target.faces > 0, "the face target must be positive");
+  require(!target.vertices || *target.vertices > 0, "the vertex target must be positive");
+  require(!target.ratio || (*target.ratio > 0 && *target.ratio <= 1), "the ratio must lie in (0, 1]");
+  require(!target.error || *target.error >= 0, "the error target must not be negative");
+  require(!target.relative_error || *target.relative_error >= 0, "the relative error target must not be negative");
+}
+
+/// `diagonal` in table units.
+Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double diagonal, double scale) {
+  Limits limits;
+  if (target.faces) limits.faces = *target.faces;
+  if (target.ratio) {
+    const auto faces = static_cast<std::size_t>(std::floor(*target.ratio * static_cast<double>(input_faces)));
+    limits.faces = std::max({limits.faces, faces, std::size_t{1}});
+  }
+  if (target.vertices) limits.vertices = *target.vertices;
+  limits.error = std::numeric_limits<double>::infinity();
+  if (target.error) limits.error = *target.error / scale;
+  if (target.relative_error) limits.error = std::min(limits.error, *target.relative_error * diagonal);
+  return limits;
+}
+
+std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonMesh& mesh, const SimplifyOptions& options) {
+  PolygonSoup soup = to_soup(mesh);
+  // Copies of split vertices become one point again, so that they move in step.
+  merge_identical_vertices(soup);
+  remove_degenerate_faces(soup);
+  detail::CornerTable table = detail::build_corner_table(
+      soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
+  return options.cost == CostPolicy::quadric ? detail::make_quadric_simplifier(std::move(table), options)
+                                             : detail::make_normal_deviation_simplifier(std::move(table), options);
+}
+
+double diagonal_of(const detail::CornerTable& table) {
+  Box3 box;
+  for (const Vec3& p : table.positions) box.extend(p);
+  return table.positions.empty() ? 0 : box.diagonal().norm();
+}
+
+}  // namespace
+
+std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
+                                            const SimplifyOptions& options, Progress* progress) {
+  check(options);
+  for (const SimplifyTarget& target : targets) check(target);
+  const auto start = Clock::now();
+  report_progress(progress, "prepare", 0);
+  const auto simplifier = make_simplifier(mesh, options);
+  const detail::CornerTable& table = simplifier->table();
+  const double diagonal = diagonal_of(table);
+  const std::size_t faces_before = table.n_alive_faces, vertices_before = table.n_alive_points;
+  std::vector<SimplifyResult> results;
+  for (const SimplifyTarget& target : targets) {
+    SimplifyResult result;
+    result.reason = simplifier->run(to_limits(target, faces_before, diagonal, table.scale), progress);
+    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    PolygonSoup soup = to_soup(table);
+    result.vertices_after = soup.positions.size();
+    split_non_manifold(soup);
+    result.mesh = to_polygon_mesh(soup);
+    result.faces_before = faces_before;
+    result.faces_after = table.n_alive_faces;
+    result.vertices_before = vertices_before;
+    const detail::RunCounts& counts = simplifier->counts();
+    result.collapses = counts.collapses;
+    result.interior_collapses = counts.interior_collapses;
+    result.removed_faces = counts.removed_faces;
+    result.lost_sides = counts.lost_sides;
+    result.passes = counts.passes;
+    result.error_estimate = counts.error * table.scale;
+    result.refused = counts.refused;
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options, Progress* progress) {
+  return std::move(simplify_levels(mesh, {&options.target, 1}, options, progress).front());
+}
+
+}  // namespace recede
