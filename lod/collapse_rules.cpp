@@ -58,6 +58,38 @@ EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second) {
   return freedom;
 }
 
+namespace {
+
+/// True when a triangle lies on the far side of the edge from `x` to `y`.
+bool has_triangle_on(const CornerTable& table, Index x, Index y) {
+  bool found = false;
+  table.each_corner(x, [&](Index c) {
+    if (table.face_size[table.face[c]] != 3) return;
+    if (table.point[table.next[c]] == y || table.point[table.previous(c)] == y) found = true;
+  });
+  return found;
+}
+
+}  // namespace
+
+int polygon_loss(const CornerTable& table, Index first, Index second) {
+  int triangles = 0, others = 0;
+  bool row = false;
+  table.each_corner(first, [&](Index c) {
+    const Index after = table.next[c], before = table.previous(c);
+    if (table.point[after] != second && table.point[before] != second) return;
+    const Index size = table.face_size[table.face[c]];
+    ++(size == 3 ? triangles : others);
+    if (size != 4) return;
+    const bool runs_along = table.point[after] == second;
+    const Index x = table.point[runs_along ? before : after];
+    const Index y = table.point[runs_along ? table.next[after] : table.previous(before)];
+    row = row || has_triangle_on(table, x, y);
+  });
+  if (others == 0) return 0;
+  return triangles > 0 || row ? 1 : 2;
+}
+
 CollapseRules::CollapseRules(const CornerTable& table, double least_normal_cosine)
     : table_(table),
       least_cosine_(least_normal_cosine),

@@ -37,6 +37,9 @@ constexpr double k_least_normal_cosine = 0.2;
 /// Weight of the squared edge length in the cost, per unit of area weight: orders what the planes don't tell apart.
 constexpr double k_length_weight = 1e-9;
 
+/// Factor on the cost for each step of `polygon_loss`.
+constexpr double k_polygon_loss = 8;
+
 struct Placement {
   Collapse collapse;
   double cost = std::numeric_limits<double>::infinity();
@@ -61,7 +64,8 @@ struct VolumeConstraint {
 class QuadricSimplifier final : public Simplifier {
  public:
   QuadricSimplifier(CornerTable table, const SimplifyOptions& options)
-      : Simplifier(std::move(table), options, k_least_normal_cosine) {
+      : Simplifier(std::move(table), options, k_least_normal_cosine),
+        has_polygons_(table_.point.size() > 3 * table_.face_size.size()) {
     quadrics_.resize(table_.positions.size());
     touched_.resize(table_.positions.size(), 0);
     add_planes();
@@ -79,9 +83,11 @@ class QuadricSimplifier final : public Simplifier {
   VolumeConstraint volume_constraint(Index first, Index second, const Vec3& center) const;
   bool commit(const Candidate& candidate, double most, const Limits& limits);
 
+  bool has_polygons_;              // some face has more than three sides
   std::vector<Quadric> quadrics_;  // of each point, centred at it
   std::vector<Index> touched_;     // last pass in which the point was the result of a collapse
   EdgeRings rings_;
+  std::size_t last_refused_ = 0;   // candidates that the last pass refused
 };
 
 void QuadricSimplifier::add_planes() {
@@ -206,6 +212,9 @@ Placement QuadricSimplifier::place(Index first, Index second) const {
   }
   best.error = sum.weight > 0 ? std::sqrt(best.cost / sum.weight) : 0;
   best.cost += k_length_weight * sum.weight * length;
+  if (has_polygons_ && options_.keep_polygons) {
+    best.cost *= std::pow(k_polygon_loss, polygon_loss(table_, first, second));
+  }
   return best;
 }
 
@@ -276,7 +285,9 @@ std::size_t QuadricSimplifier::pass(const Limits& limits, Progress* progress) {
   if (limits.faces > 0) wanted = std::min(wanted, (table_.n_alive_faces - limits.faces + 1) / 2);
   if (limits.vertices > 0) wanted = std::min(wanted, table_.n_alive_points - limits.vertices);
   const auto share = static_cast<std::size_t>(k_pass_share * static_cast<double>(candidates.size())) + 1;
-  const std::size_t goal = std::min({wanted, share, candidates.size() - 1});
+  // Edges that the last pass refused are likely to be refused again and don't count towards the goal.
+  const std::size_t goal = std::min(std::min(wanted, share) + last_refused_, candidates.size() - 1);
+  last_refused_ = 0;
   double most = std::max(static_cast<double>(candidates[goal].cost), 1e-300);
   const auto pass_number = static_cast<Index>(counts_.passes);
   std::size_t done = 0;
@@ -288,7 +299,10 @@ std::size_t QuadricSimplifier::pass(const Limits& limits, Progress* progress) {
       most = static_cast<double>(candidate.cost);
     }
     if (touched_[candidate.first] == pass_number || touched_[candidate.second] == pass_number) continue;
-    if (!commit(candidate, std::max(most, k_grown * static_cast<double>(candidate.cost)), limits)) continue;
+    if (!commit(candidate, std::max(most, k_grown * static_cast<double>(candidate.cost)), limits)) {
+      ++last_refused_;
+      continue;
+    }
     touched_[candidate.first] = touched_[candidate.second] = pass_number;
     ++done;
     if (reached(limits)) break;

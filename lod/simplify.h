@@ -29,6 +29,17 @@ enum class VertexPlacement {
   optimal,    ///< best position for the cost; `quadric` only
 };
 
+/// What stands for the normal of a polygon, which need not be flat.
+enum class PolygonNormal {
+  /// As in the source: the mean of the polygon's corner normals when the mesh has them, else `corner_average`.
+  source,
+  /// Mean of the cross products at the corners (for triangles and quads: of two sides, of the diagonals). Where it is nearly
+  /// zero, the vector area.
+  corner_average,
+  /// The vector area (Newell), which never points the wrong way for a simple polygon.
+  vector_area,
+};
+
 /// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost permits
 /// (`normal_deviation`) or as the mesh allows (`quadric`).
 struct SimplifyTarget {
@@ -50,14 +61,18 @@ struct SimplifyOptions {
   bool keep_uv_seams = true;
   bool keep_normal_seams = true;
 
+  /// Between collapses of similar cost, prefer those that keep polygons with more than three sides: rows of quads vanish
+  /// as a whole. No effect on triangle meshes. Off: the order of the sources alone.
+  bool keep_polygons = true;
+
   /// `normal_deviation`: least dot product between a polygon's normals before and after one collapse, -1 to 1.
   double normal_threshold = 0.99;
   /// `normal_deviation`: candidates drawn per collapse as a share of the input's polygon count, 0 to 1. 1: exhaustive.
   double candidate_share = 0.01;
   /// `normal_deviation`: seed of the candidate draws. Same seed, same result.
   std::uint64_t seed = 1;
-  /// `normal_deviation`: polygon normals by Newell's sum instead of the corner average of the source.
-  bool newell_normals = false;
+  /// `normal_deviation`: how a polygon's normal is computed.
+  PolygonNormal polygon_normal = PolygonNormal::source;
 };
 
 /// Why a simplification ended.

@@ -34,6 +34,11 @@ struct EdgeFreedom {
 };
 EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second);
 
+/// How much a collapse breaks up polygons with more than three sides: 0 when triangles vanish on all faces of the edge; 1 when
+/// some do, or when a quad's side opposite to the edge belongs to a triangle, so that the two collapses together
+/// take a whole row of quads out; 2 when only larger polygons are shortened.
+int polygon_loss(const CornerTable& table, Index first, Index second);
+
 /// Tests collapses on one table. Not thread-safe: it marks points.
 class CollapseRules {
  public:
