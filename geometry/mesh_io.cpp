@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <new>
 
 namespace recede {
@@ -37,23 +36,14 @@ const Format& format_of(const fs::path& path) {
   for (const Format& format : k_formats) {
     if (format.extension == extension) return format;
   }
-  throw InputError::in_file(path.string(), "unknown kind of mesh file; known are .obj .ply .stl .off .gltf .glb");
+  throw InputError::in_file(path.string(),
+                            "unknown kind of mesh file; known are .obj .ply .stl .off .gltf .glb");
 }
 
-// A normal that isn't a number is no normal: exporters write it for triangles without area. Texture coordinates and
-// colours have no such reading.
-void check_attributes(PolygonSoup& soup, const std::string& source) {
+// A normal that isn't a number is no normal: exporters write such ones for triangles without area.
+void clear_undefined_normals(PolygonSoup& soup) {
   for (Vec3& normal : soup.corner_normals) {
     if (!normal.allFinite()) normal.setZero();
-  }
-  for (std::size_t corner = 0; corner < soup.corner_uvs.size(); ++corner) {
-    if (soup.corner_uvs[corner].allFinite()) continue;
-    throw InputError::in_file(
-        source, fmt::format("texture coordinate at vertex {} isn't finite", soup.corner_vertices[corner]));
-  }
-  for (std::size_t vertex = 0; vertex < soup.vertex_colors.size(); ++vertex) {
-    if (soup.vertex_colors[vertex].allFinite()) continue;
-    throw InputError::in_file(source, fmt::format("colour of vertex {} isn't finite", vertex));
   }
 }
 
@@ -65,8 +55,8 @@ PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* p
     soup = format.read(file);
   }
   if (soup.positions.empty()) throw InputError::in_file(path.string(), "holds no vertices");
+  clear_undefined_normals(soup);
   validate(soup, path.string());
-  check_attributes(soup, path.string());
   report_progress(progress, "read", 1.0);
   return soup;
 }

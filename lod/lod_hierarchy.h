@@ -30,13 +30,13 @@ struct LevelError {
 };
 
 struct LodLevel {
-  PolygonMesh mesh;
-  LevelError error;
+  PolygonMesh mesh{};
+  LevelError error{};
   double switch_distance = 0;  ///< from the certified bound; this level serves from here on, object units
   double screen_coverage = 1;  ///< share of the image height that the bounding sphere covers there, 0 to 1
   double simplify_seconds = 0; ///< from the start of the run to this level
   double measure_seconds = 0;
-  std::string stop_reason;     ///< empty for level 0
+  std::string stop_reason{};   ///< empty for level 0
 };
 
 struct LodHierarchy {

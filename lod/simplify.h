@@ -43,11 +43,11 @@ enum class PolygonNormal {
 /// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost permits
 /// (`normal_deviation`) or as the mesh allows (`quadric`).
 struct SimplifyTarget {
-  std::optional<std::size_t> faces;     ///< at most this many faces
-  std::optional<std::size_t> vertices;  ///< at most this many vertices
-  std::optional<double> ratio;          ///< at most this share of the input's faces, 0 to 1
-  std::optional<double> error;          ///< stop before `error_estimate` exceeds this, object units
-  std::optional<double> relative_error; ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
+  std::optional<std::size_t> faces{};     ///< at most this many faces
+  std::optional<std::size_t> vertices{};  ///< at most this many vertices
+  std::optional<double> ratio{};          ///< at most this share of the input's faces, 0 to 1
+  std::optional<double> error{};          ///< stop before `error_estimate` exceeds this, object units
+  std::optional<double> relative_error{}; ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
 };
 
 struct SimplifyOptions {

@@ -26,7 +26,7 @@ void ReadProgress::report(std::size_t offset) {
   report_progress(file_.progress, "read", std::min(1.0, static_cast<double>(offset) / size));
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t k_longest = 40;
   std::string result = "'";
   for (const char c : text.substr(0, k_longest)) result += c >= ' ' && c <= '~' ? c : '?';
@@ -34,7 +34,8 @@ std::string quoted(std::string_view text) {
 }
 
 void check_countable(const InputFile& file, std::size_t size, std::string_view elements) {
-  if (size >= k_no_index) file.fail(fmt::format("more than {} {} can't be numbered", k_no_index - 1, elements));
+  if (size >= k_no_index)
+    file.fail(fmt::format("more than {} {} can't be numbered", k_no_index - 1, elements));
 }
 
 namespace {
@@ -80,9 +81,12 @@ float to_float(double value) {
   return static_cast<float>(value);
 }
 
+double rounded_to_float(double value) { return static_cast<double>(static_cast<float>(value)); }
+
 bool loses_digits_as_float(const PolygonSoup& soup) {
-  return std::any_of(soup.positions.begin(), soup.positions.end(),
-                     [](const Vec3& p) { return p.cast<float>().cast<double>() != p; });
+  return std::any_of(soup.positions.begin(), soup.positions.end(), [](const Vec3& position) {
+    return std::any_of(position.begin(), position.end(), [](double x) { return rounded_to_float(x) != x; });
+  });
 }
 
 }  // namespace recede::detail

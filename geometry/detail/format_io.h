@@ -1,5 +1,5 @@
-// What the readers and writers of single formats share with mesh_io.cpp: a file in memory going in, a file as one
-// string coming out. Files are touched in mesh_io.cpp only, apart from what a file names (.mtl, .bin).
+// What the readers and writers of single formats share with mesh_io.cpp: a file in memory going in, a file as
+// one string coming out. Files are touched in mesh_io.cpp only, apart from what a file names (.mtl, .bin).
 #pragma once
 
 #include <recede/geometry/mesh_io.h>
@@ -42,7 +42,7 @@ class ReadProgress {
 };
 
 /// A piece of a file for a one-line message: in quotes, control characters replaced, cut where it gets long.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 /// Throws when a list of `size` elements can't be numbered by `Index`.
 void check_countable(const InputFile& file, std::size_t size, std::string_view elements);
@@ -56,7 +56,8 @@ inline std::size_t index_or_size(double value, std::size_t size) {
 
 /// Copies attributes of vertices to the corners of faces.
 template <class Attribute>
-std::vector<Attribute> at_corners(const std::vector<Attribute>& of_vertices, const std::vector<Index>& corner_vertices) {
+std::vector<Attribute> at_corners(const std::vector<Attribute>& of_vertices,
+                                  const std::vector<Index>& corner_vertices) {
   std::vector<Attribute> of_corners;
   of_corners.reserve(corner_vertices.size());
   for (const Index vertex : corner_vertices) of_corners.push_back(of_vertices[vertex]);
@@ -87,9 +88,14 @@ std::vector<std::string> left_out(const PolygonSoup& soup, const FormatAbility& 
 /// `value` as the float that a 32-bit file holds. Throws `InputError` when it exceeds the range of floats.
 float to_float(double value);
 
+/// `value` rounded to a 32-bit float. Not inline: g++ 12 drops the pair of conversions when it vectorises
+/// `vector.cast<float>().cast<double>()`.
+double rounded_to_float(double value);
+
 /// True when some position loses digits as a float.
 bool loses_digits_as_float(const PolygonSoup& soup);
-inline constexpr std::string_view k_rounded_positions = "double precision (positions rounded to 32-bit floats)";
+inline constexpr std::string_view k_rounded_positions =
+    "double precision (positions rounded to 32-bit floats)";
 
 PolygonSoup read_obj(const InputFile& file);
 PolygonSoup read_ply(const InputFile& file);
@@ -97,11 +103,17 @@ PolygonSoup read_stl(const InputFile& file);
 PolygonSoup read_off(const InputFile& file);
 PolygonSoup read_gltf(const InputFile& file);
 
-OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options);
-OutputFile format_ply(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options);
-OutputFile format_stl(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options);
-OutputFile format_off(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options);
-OutputFile format_gltf(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options);
-OutputFile format_glb(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options);
+OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup,
+                      const WriteOptions& options);
+OutputFile format_ply(const std::filesystem::path& path, const PolygonSoup& soup,
+                      const WriteOptions& options);
+OutputFile format_stl(const std::filesystem::path& path, const PolygonSoup& soup,
+                      const WriteOptions& options);
+OutputFile format_off(const std::filesystem::path& path, const PolygonSoup& soup,
+                      const WriteOptions& options);
+OutputFile format_gltf(const std::filesystem::path& path, const PolygonSoup& soup,
+                       const WriteOptions& options);
+OutputFile format_glb(const std::filesystem::path& path, const PolygonSoup& soup,
+                      const WriteOptions& options);
 
 }  // namespace recede::detail

@@ -9,7 +9,8 @@ namespace recede::detail {
 
 namespace {
 
-// "map_Kd -s 2 2 1 wood.png": what stands behind options is the last word; without options, a name may hold blanks.
+// "map_Kd -s 2 2 1 wood.png": what stands behind options is the last word; without options, a name may hold
+// blanks.
 std::string texture_name(std::string_view rest) {
   if (rest.empty() || rest.front() != '-') return std::string(rest);
   const std::size_t blank = rest.find_last_of(" \t");

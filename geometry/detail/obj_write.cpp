@@ -66,8 +66,8 @@ std::vector<Index> number_normals(const std::vector<Vec3>& corners, DistinctValu
   return numbers;
 }
 
-// OBJ finds materials by name, one to a line: names lose line ends and outer blanks, empty and repeated ones get a
-// number. The changed names are counted.
+// OBJ finds materials by name, one to a line: names lose line ends and outer blanks, empty and repeated ones
+// get a number. The changed names are counted.
 std::vector<Material> with_distinct_names(std::vector<Material> materials, std::size_t& renamed) {
   std::unordered_set<std::string> taken{"(null)"};
   for (Material& material : materials) {
@@ -112,7 +112,8 @@ void write_faces(TextWriter& out, const PolygonSoup& soup, const CornerNumbers& 
   for (std::size_t face = 0; face < soup.n_faces(); ++face) {
     if (!soup.face_materials.empty() && soup.face_materials[face] != material) {
       material = soup.face_materials[face];
-      out << "usemtl " << (material == k_no_index ? std::string_view("(null)") : materials[material].name) << '\n';
+      out << "usemtl " << (material == k_no_index ? std::string_view("(null)") : materials[material].name)
+          << '\n';
     }
     out << 'f';
     for (Index corner = soup.face_offsets[face]; corner < soup.face_offsets[face + 1]; ++corner) {
@@ -139,13 +140,14 @@ OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup
     output.beside.emplace_back(library, format_mtl(materials));
   }
   if (renamed > 0) {
-    output.written_without.push_back(
-        fmt::format("{} material {} (changed to be distinct words on a line)", renamed, renamed == 1 ? "name" : "names"));
+    output.written_without.push_back(fmt::format("{} material {} (changed to be distinct words on a line)",
+                                                 renamed, renamed == 1 ? "name" : "names"));
   }
   write_vertices(out, soup);
   DistinctValues<Vec2> uvs;
   DistinctValues<Vec3> normals;
-  const CornerNumbers numbers{number_corners(soup.corner_uvs, uvs), number_normals(soup.corner_normals, normals)};
+  const CornerNumbers numbers{number_corners(soup.corner_uvs, uvs),
+                              number_normals(soup.corner_normals, normals)};
   for (const Vec2& uv : uvs.values()) (out << "vt ").list(uv) << '\n';
   for (const Vec3& normal : normals.values()) (out << "vn ").list(normal) << '\n';
   write_faces(out, soup, numbers, materials);

@@ -6,7 +6,8 @@
 
 namespace recede::detail {
 
-// Units of the original table, z up. Rows of a patch run along u, entries of a row along v; du x dv points inward.
+// Units of the original table, z up. Rows of a patch run along u, entries of a row along v; du x dv points
+// inward.
 // clang-format off
 inline constexpr std::array<std::array<double, 3>, 290> k_teapot_points{{
     {1.4, 0, 2.4}, {1.4, -0.784, 2.4}, {0.784, -1.4, 2.4}, {0, -1.4, 2.4},

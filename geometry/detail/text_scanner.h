@@ -5,13 +5,16 @@
 
 #include <fast_float/fast_float.h>
 
+#include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <string_view>
 
 namespace recede::detail {
 
-/// Walks over a file's text. Blanks are spaces, tabs, carriage returns, and a backslash at the end of a line together
-/// with that end; `#` starts a comment where a word could start.
+/// Walks over a file's text. Blanks are spaces, tabs, carriage returns, and a backslash at the end of a line
+/// together with that end; `#` starts a comment where a word could start.
 class TextScanner {
  public:
   explicit TextScanner(const InputFile& file, std::size_t offset = 0, std::size_t line = 1)
@@ -78,12 +81,13 @@ class TextScanner {
     if (remaining() > 1 && *first == '+' && first[1] != '-') ++first;
     double value = 0.0;
     const auto parsed = fast_float::from_chars(first, end_, value);
-    if (parsed.ptr == first || (parsed.ptr != end_ && !is_space(*parsed.ptr) && *parsed.ptr != '\\')) fail_number();
+    if (parsed.ptr == first || (parsed.ptr != end_ && !ends_word(*parsed.ptr))) fail_number();
     at_ = parsed.ptr;
     return value;
   }
 
-  /// An integer at this very place: "-12" of "-12/3". False when there is none; out of 64 bits counts as none.
+  /// An integer at this very place: "-12" of "-12/3". False when there is none; out of 64 bits counts as
+  /// none.
   bool integer(std::int64_t& value) {
     const auto parsed = std::from_chars(at_, end_, value);
     if (parsed.ec != std::errc()) return false;
@@ -98,17 +102,19 @@ class TextScanner {
     return true;
   }
 
-  bool at_space() const { return at_ == end_ || is_space(*at_) || *at_ == '\\'; }
+  /// A blank, a line's end or a comment follows immediately.
+  bool at_word_end() const { return at_ == end_ || ends_word(*at_); }
 
   /// A whole number from 0; `what` names it in the error.
   std::size_t count(std::string_view what) {
     skip_blanks();
     const std::string_view text = TextScanner(*this).word();
     std::int64_t value = 0;
-    if (!integer(value) || !at_space() || value < 0) fail(std::string(what) + " is " + quoted(text));
+    if (!integer(value) || !at_word_end() || value < 0) fail(std::string(what) + " is " + in_quotes(text));
     return static_cast<std::size_t>(value);
   }
 
+  static bool ends_word(char c) { return is_space(c) || c == '\\' || c == '#'; }
   static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
  private:
@@ -123,7 +129,7 @@ class TextScanner {
 
   [[noreturn]] void fail_number() {
     const std::string_view text = word();
-    fail(text.empty() ? "a number is missing" : quoted(text) + " isn't a number");
+    fail(text.empty() ? "a number is missing" : in_quotes(text) + " isn't a number");
   }
 
   const InputFile& file_;

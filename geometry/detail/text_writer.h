@@ -21,8 +21,7 @@ class TextWriter {
     return *this;
   }
   template <class Number>
-    requires(std::integral<Number> || std::floating_point<Number>)
-  TextWriter& operator<<(Number value) {
+  requires(std::integral<Number> || std::floating_point<Number>) TextWriter& operator<<(Number value) {
     std::array<char, 32> digits;  // the longest double takes 24
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
     text_.append(digits.data(), end);

@@ -1,0 +1,126 @@
+#include "common.h"
+#include <recede/geometry/error.h>
+#include <recede/lod/lod_hierarchy.h>
+#include <recede/render/report.h>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <numbers>
+
+namespace recede::cli {
+namespace {
+
+struct BakeOptions {
+  CommonOptions common;
+  std::string input, output;
+  HierarchyOptions hierarchy;
+  std::vector<double> relative_errors;
+  double field_of_view = 45;  // degrees
+  double feature_angle = 0;
+  std::string up;
+  bool no_report = false;
+};
+
+const std::vector<double> k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
+
+Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, std::size_t i, double diagonal) {
+  const LodLevel& level = hierarchy.levels[i];
+  return {{"level", i},
+          {"file", files.level_files[i].string()},
+          {"bytes", files.level_bytes[i]},
+          {"faces", level.mesh.n_faces()},
+          {"vertices", level.mesh.n_vertices()},
+          {"error", error_to_json(level.error.max, level.error.rms, level.error.bound, diagonal)},
+          {"switch_distance", level.switch_distance},
+          {"screen_coverage", level.screen_coverage},
+          {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
+          {"reason", level.stop_reason}};
+}
+
+void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files, const std::optional<ReportFiles>& report,
+                double diagonal, double seconds) {
+  fmt::print("level      faces        max error      rms error    certified bound   from distance  why it stopped\n");
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    const LodLevel& level = hierarchy.levels[i];
+    fmt::print("{:5} {:10} {:9.3g} ({:.2g} %) {:12.3g} {:12.3g} ({:.2g} %) {:12.4g}    {}\n", i, level.mesh.n_faces(), level.error.max,
+               100 * level.error.max / diagonal, level.error.rms, level.error.bound,
+               100 * level.error.bound / diagonal, level.switch_distance, level.stop_reason);
+  }
+  fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
+  if (report) fmt::print("report     {}\n", report->html.string());
+  fmt::print("seconds    {:.3g}\n", seconds);
+}
+
+Vec3 up_direction(const BakeOptions& options) {
+  if (options.up == "x") return Vec3::UnitX();
+  // The built-in teapot stands upright along z, as its author made it.
+  if (options.up == "z" || (options.up.empty() && options.input == "teapot")) return Vec3::UnitZ();
+  return Vec3::UnitY();
+}
+
+void run(BakeOptions options) {
+  const auto start = std::chrono::steady_clock::now();
+  TerminalProgress progress(options.common.quiet);
+  HierarchyOptions& hierarchy_options = options.hierarchy;
+  hierarchy_options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
+  Model model = read_model(options.input, &progress);
+  mark_features(model.read.mesh, options.feature_angle);
+  const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
+  for (const double share : options.relative_errors) hierarchy_options.errors.push_back(share * diagonal);
+  if (hierarchy_options.ratios.empty() && hierarchy_options.errors.empty() && hierarchy_options.distances.empty()) {
+    hierarchy_options.ratios = k_default_ratios;
+  }
+  const LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
+  const HierarchyFiles files = write_hierarchy(options.output, hierarchy);
+  std::optional<ReportFiles> report;
+  if (!options.no_report) {
+    report = write_report(options.output, hierarchy, files, {.up = up_direction(options)}, &progress);
+  }
+  progress.clear();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  print_repairs(model.read.report, options.common);
+  if (!options.common.json) return print_text(hierarchy, files, report, diagonal, seconds);
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) levels.push_back(level_to_json(hierarchy, files, i, diagonal));
+  print_json({{"command", "bake"},
+              {"input", options.input},
+              {"hierarchy", files.glb.string()},
+              {"folder", files.folder.string()},
+              {"report", report ? Json(report->html.string()) : Json(nullptr)},
+              {"diagonal", diagonal},
+              {"levels", levels},
+              {"seconds", seconds},
+              {"repairs", repairs_to_json(model.read.report)}});
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& app) {
+  const auto options = std::make_shared<BakeOptions>();
+  CLI::App* command = app.add_subcommand(
+      "bake", "Makes a hierarchy of levels of detail, each with its measured error, and a report with pictures.");
+  command->footer("Example:\n  recede bake dragon.ply -o out/ --ratios 0.5 0.1 0.02");
+  command->add_option("input", options->input, k_input_help)->required();
+  command->add_option("-o,--output", options->output, "folder to write to")->required();
+  HierarchyOptions& hierarchy = options->hierarchy;
+  const auto levels = "Levels (one of; default: --ratios 0.5 0.25 0.1 0.03 0.01)";
+  CLI::Option_group* choice = command->add_option_group(levels);
+  choice->add_option("--ratios", hierarchy.ratios, "shares of the input's faces, decreasing");
+  choice->add_option("--errors", hierarchy.errors, "certified error bounds, increasing, object units");
+  choice->add_option("--relative-errors", options->relative_errors, "the same as shares of the diagonal (0.01 = 1 %)");
+  choice->add_option("--distances", hierarchy.distances, "camera distances, increasing; errors follow from the view");
+  choice->require_option(0, 1);
+  const auto view = "View (for switch distances)";
+  command->add_option("--image-height", hierarchy.view.image_height, "pixels (1080)")->group(view);
+  command->add_option("--field-of-view", options->field_of_view, "vertical, degrees (45)")->group(view);
+  command->add_option("--pixel-error", hierarchy.view.pixel_error, "error that a level may show, pixels (1)")->group(view);
+  command->add_option("--up", options->up, "axis that points up in the pictures: x, y (default) or z")
+      ->check(CLI::IsMember({"x", "y", "z"}))->group(view);
+  add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
+  command->add_flag("--no-report", options->no_report, "write the hierarchy only");
+  add_common_options(*command, options->common);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace recede::cli

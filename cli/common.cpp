@@ -1,0 +1,105 @@
+#include "common.h"
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/geometry/sample_models.h>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <numbers>
+
+namespace recede::cli {
+
+namespace fs = std::filesystem;
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_flag("--json", options.json, "print one JSON document instead of text");
+  command.add_flag("-q,--quiet", options.quiet, "no progress bar and no remarks");
+  command.add_option("--threads", options.threads, "number of threads; 0: all")->check(CLI::NonNegativeNumber);
+}
+
+Model read_model(const std::string& input, Progress* progress) {
+  if (!fs::exists(input)) {
+    constexpr std::size_t k_sphere_faces = 250'000;
+    if (input == "teapot") return {input, repair_to_polygon_mesh(make_teapot())};
+    if (input == "sphere") return {input, repair_to_polygon_mesh(make_displaced_sphere(k_sphere_faces, true))};
+  }
+  return {fs::path(input).stem().string(), read_mesh(input, progress)};
+}
+
+void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle) {
+  static const std::map<std::string, CostPolicy> costs{{"quadric", CostPolicy::quadric},
+                                                       {"normal_deviation", CostPolicy::normal_deviation}};
+  static const std::map<std::string, VertexPlacement> placements{{"automatic", VertexPlacement::automatic},
+                                                                 {"half_edge", VertexPlacement::half_edge},
+                                                                 {"midpoint", VertexPlacement::midpoint},
+                                                                 {"optimal", VertexPlacement::optimal}};
+  const auto group = "Simplification";
+  command.add_option("--cost", options.cost, "what decides which edge goes: quadric (default) or normal_deviation")
+      ->transform(CLI::CheckedTransformer(costs, CLI::ignore_case))->group(group)->option_text("NAME");
+  command.add_option("--placement", options.placement,
+                     "where the vertex of a collapsed edge goes: automatic, half_edge, midpoint or optimal")
+      ->transform(CLI::CheckedTransformer(placements, CLI::ignore_case))->group(group)->option_text("NAME");
+  command.add_option("--normal-threshold", options.normal_threshold,
+                     "normal_deviation: least dot product of normals before and after (0.99)")->group(group);
+  command.add_option("--candidate-share", options.candidate_share,
+                     "normal_deviation: candidates per collapse as a share of all polygons (0.01)")->group(group);
+  command.add_option("--seed", options.seed, "normal_deviation: seed of the candidate draws (1)")->group(group);
+  command.add_option("--feature-angle", feature_angle,
+                     "keep edges whose faces meet at more than this angle, degrees; 0: none")
+      ->check(CLI::Range(0.0, 180.0))->group(group);
+  command.add_flag("--lock-borders", options.lock_borders, "leave border vertices where they are")->group(group);
+  command.add_flag("--ignore-uv-seams{false}", options.keep_uv_seams, "let texture seams move freely")->group(group);
+  command.add_flag("--ignore-normal-seams{false}", options.keep_normal_seams, "let normal seams move freely")->group(group);
+  command.add_flag("--ignore-polygons{false}", options.keep_polygons, "don't prefer collapses that keep quads and larger polygons")->group(group);
+}
+
+void mark_features(PolygonMesh& mesh, double feature_angle) {
+  if (feature_angle > 0) mark_feature_edges(mesh, feature_angle * std::numbers::pi / 180);
+}
+
+void print_remark(const std::string& text, const CommonOptions& options) {
+  if (!options.quiet) fmt::print(stderr, "recede: {}\n", text);
+}
+
+void print_repairs(const RepairReport& report, const CommonOptions& options) {
+  for (const RepairStep& step : report.steps) {
+    if (step.changed > 0) print_remark(fmt::format("{}: {}", step.name, step.detail), options);
+  }
+}
+
+Json repairs_to_json(const RepairReport& report) {
+  Json steps = Json::array();
+  for (const RepairStep& step : report.steps) {
+    steps.push_back({{"step", step.name}, {"changed", step.changed}, {"detail", step.detail}});
+  }
+  return steps;
+}
+
+Json refused_to_json(const RefusedCollapses& refused) {
+  Json counts;
+  for (std::size_t i = 0; i < refused.counts.size(); ++i) {
+    counts[std::string(to_string(static_cast<Refusal>(i)))] = refused.counts[i];
+  }
+  return counts;
+}
+
+Json error_to_json(double max, double rms, std::optional<double> bound, double diagonal) {
+  const auto share = [&](double length) { return diagonal > 0 ? Json(length / diagonal) : Json(nullptr); };
+  return {{"max", max},
+          {"rms", rms},
+          {"bound", bound ? Json(*bound) : Json(nullptr)},
+          {"max_relative", share(max)},
+          {"rms_relative", share(rms)},
+          {"bound_relative", bound ? share(*bound) : Json(nullptr)}};
+}
+
+std::string length_text(double length, double diagonal) {
+  return diagonal > 0 ? fmt::format("{:.4g} ({:.3g} %)", length, 100 * length / diagonal) : fmt::format("{:.4g}", length);
+}
+
+void print_json(const Json& document) { fmt::print("{}\n", document.dump(2)); }
+
+}  // namespace recede::cli

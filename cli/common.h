@@ -1,0 +1,61 @@
+// What the commands share: options, reading a model, and printing.
+#pragma once
+
+#include "terminal_progress.h"
+#include <recede/geometry/mesh_distance.h>
+#include <recede/lod/simplify.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace recede::cli {
+
+using Json = nlohmann::ordered_json;
+
+/// Options of every command.
+struct CommonOptions {
+  bool json = false;   ///< one JSON document on standard output instead of text
+  bool quiet = false;  ///< no progress and no remarks
+  int threads = 0;     ///< 0: all
+};
+void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// A model by file name, or one of the built-in ones, `teapot` and `sphere`.
+struct Model {
+  std::string name;  ///< for files made from it
+  MeshFromSoup read;
+};
+Model read_model(const std::string& input, Progress* progress);
+inline constexpr const char* k_input_help =
+    "mesh file (.obj .ply .stl .off .gltf .glb), or a built-in model: teapot, sphere";
+
+/// How to simplify, without the target.
+void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle);
+/// Marks the edges that `--feature-angle` (degrees) asks to keep; nothing when it is 0.
+void mark_features(PolygonMesh& mesh, double feature_angle);
+
+/// Prints what reading changed, a line for each step that changed something.
+void print_repairs(const RepairReport& report, const CommonOptions& options);
+/// A remark on standard error.
+void print_remark(const std::string& text, const CommonOptions& options);
+
+Json repairs_to_json(const RepairReport& report);
+Json refused_to_json(const RefusedCollapses& refused);
+/// Fields `max`, `rms`, `bound` (null: not computed) and their shares of the diagonal.
+Json error_to_json(double max, double rms, std::optional<double> bound, double diagonal);
+
+/// A length with its share of the diagonal: `0.00123 (0.042 %)`.
+std::string length_text(double length, double diagonal);
+
+/// Prints the document.
+void print_json(const Json& document);
+
+// The commands. Each adds itself to the application; its callback does the work.
+void add_bake_command(CLI::App& app);
+void add_simplify_command(CLI::App& app);
+void add_compare_command(CLI::App& app);
+void add_info_command(CLI::App& app);
+
+}  // namespace recede::cli

@@ -1,0 +1,67 @@
+// The command `recede`: reads arguments, calls the library, prints. Exit codes: 0 done, 1 failure, 2 wrong usage.
+#include "common.h"
+#include <recede/geometry/error.h>
+
+#include <oneapi/tbb/global_control.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <new>
+
+namespace {
+
+constexpr int k_failure = 1;
+constexpr int k_wrong_usage = 2;
+
+int fail(const std::string& text, int code) {
+  // One line, whatever the text held.
+  std::string line = text;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  fmt::print(stderr, "recede: {}\n", line);
+  return code;
+}
+
+/// The number of threads belongs to the process; it must be known before any work starts.
+int threads_argument(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const std::string name = "--threads";
+    if (argument == name && i + 1 < argc) return std::atoi(argv[i + 1]);
+    if (argument.starts_with(name + "=")) return std::atoi(argument.c_str() + name.size() + 1);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Level-of-detail geometry that says how wrong it is.", "recede");
+  app.set_version_flag("--version", RECEDE_VERSION);
+  app.require_subcommand(1);
+  app.footer("`recede COMMAND --help` explains a command and shows an example.");
+  recede::cli::add_bake_command(app);
+  recede::cli::add_simplify_command(app);
+  recede::cli::add_compare_command(app);
+  recede::cli::add_info_command(app);
+  recede::cli::catch_interrupts();
+  std::unique_ptr<tbb::global_control> limit;
+  if (const int threads = threads_argument(argc, argv); threads > 0) {
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<std::size_t>(threads));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // help and version
+    return fail(error.what(), k_wrong_usage);
+  } catch (const recede::OptionError& error) {
+    return fail(error.what(), k_wrong_usage);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory", k_failure);
+  } catch (const std::exception& error) {
+    return fail(error.what(), k_failure);
+  }
+  return 0;
+}

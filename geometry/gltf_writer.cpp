@@ -1,0 +1,358 @@
+#include <recede/geometry/detail/base64.h>
+#include <recede/geometry/detail/format_io.h>
+#include <recede/geometry/detail/gltf_document.h>
+#include <recede/geometry/error.h>
+#include <recede/geometry/gltf_writer.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <unordered_map>
+
+namespace recede {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr int k_float = 5126;
+constexpr int k_vertex_data = 34962;
+constexpr int k_index_data = 34963;
+
+// A vertex as the file has it; two corners with the same floats share one.
+struct FileVertex {
+  std::array<float, 12> values{};  // position, normal, uv, colour
+  bool operator==(const FileVertex& other) const {
+    return std::memcmp(values.data(), other.values.data(), sizeof values) == 0;
+  }
+};
+
+struct FileVertexHash {
+  std::size_t operator()(const FileVertex& vertex) const {
+    std::uint64_t hash = 0;
+    for (const float value : vertex.values) {
+      hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+};
+
+struct Attribute {
+  const char* name;
+  const char* type;
+  std::size_t first, size;  // among the values of a `FileVertex`
+};
+constexpr Attribute k_position{"POSITION", "VEC3", 0, 3};
+constexpr Attribute k_normal{"NORMAL", "VEC3", 3, 3};
+constexpr Attribute k_uv{"TEXCOORD_0", "VEC2", 6, 2};
+constexpr Attribute k_color{"COLOR_0", "VEC4", 8, 4};
+
+struct Primitive {
+  std::vector<FileVertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::unordered_map<FileVertex, std::uint32_t, FileVertexHash> numbers;
+
+  void add_corner(const FileVertex& vertex) {
+    const auto [found, inserted] = numbers.try_emplace(vertex, static_cast<std::uint32_t>(vertices.size()));
+    if (inserted) vertices.push_back(vertex);
+    indices.push_back(found->second);
+  }
+};
+
+// Floats keep 24 bits of a coordinate: a model further from the origin than a thousand times its size would
+// lose ten of them, and is stored around its centre. The offset is a float itself, so that every reader adds
+// the same number.
+Vec3 offset_of(const PolygonSoup& soup) {
+  constexpr double k_far = 1e3;
+  const Box3 box = bounding_box(soup);
+  if (box.isEmpty() || !(box.center().norm() > k_far * box.diagonal().norm())) return Vec3::Zero();
+  return box.center().unaryExpr(&detail::rounded_to_float);
+}
+
+Vec3 unit_face_normal(const PolygonSoup& soup, std::size_t face) {
+  const Vec3 area = vector_area(soup, face);
+  const double length = area.stableNorm();
+  return length > 0.0 && std::isfinite(length) ? Vec3(area / length)
+                                               : Vec3::UnitZ();  // glTF has no zero normals
+}
+
+class VertexMaker {
+ public:
+  VertexMaker(const PolygonSoup& soup, const Vec3& offset) : soup_(soup), offset_(offset) {}
+
+  FileVertex make(Index corner, std::size_t face) const {
+    const Index vertex = soup_.corner_vertices[corner];
+    FileVertex result;
+    put(result, k_position, soup_.positions[vertex] - offset_);
+    if (!soup_.corner_normals.empty()) put(result, k_normal, normal(corner, face));
+    if (!soup_.corner_uvs.empty()) {
+      put(result, k_uv, Vec2(soup_.corner_uvs[corner][0], 1.0 - soup_.corner_uvs[corner][1]));
+    }
+    if (!soup_.vertex_colors.empty()) {
+      put(result, k_color, soup_.vertex_colors[vertex].cwiseMax(0.0).cwiseMin(1.0));
+    }
+    return result;
+  }
+
+ private:
+  Vec3 normal(Index corner, std::size_t face) const {
+    const double length = soup_.corner_normals[corner].stableNorm();
+    if (!(length > 0.0) || !std::isfinite(length)) return unit_face_normal(soup_, face);
+    return soup_.corner_normals[corner] / length;
+  }
+
+  template <class Derived>
+  static void put(FileVertex& vertex, const Attribute& attribute, const Eigen::MatrixBase<Derived>& values) {
+    for (std::size_t i = 0; i < attribute.size; ++i) {
+      // Adding zero turns -0 into 0: the two would split a vertex.
+      vertex.values[attribute.first + i] = detail::to_float(values[static_cast<Eigen::Index>(i)] + 0.0);
+    }
+  }
+
+  const PolygonSoup& soup_;
+  Vec3 offset_;
+};
+
+json clamped_color(const Vec4& color) {
+  json result = json::array();
+  for (const double component : color) result.push_back(std::clamp(component, 0.0, 1.0));
+  return result;
+}
+
+}  // namespace
+
+struct GltfBuilder::Impl {
+  json document;
+  std::string buffer;
+  std::vector<Material> materials;
+  std::vector<Vec3> offsets;  // one per mesh
+
+  int append(const char* list, json value) {
+    json& array = document[list];
+    array.push_back(std::move(value));
+    return static_cast<int>(array.size()) - 1;
+  }
+
+  int add_view(std::string_view bytes, int target) {
+    buffer.resize((buffer.size() + 3) / 4 * 4, '\0');
+    const int view = append(
+        "bufferViews",
+        {{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", bytes.size()}, {"target", target}});
+    buffer += bytes;
+    return view;
+  }
+
+  template <class Value>
+  int add_values(const std::vector<Value>& values, int target) {
+    return add_view({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)}, target);
+  }
+
+  int add_attribute(const std::vector<FileVertex>& vertices, const Attribute& attribute) {
+    std::vector<float> values;
+    values.reserve(vertices.size() * attribute.size);
+    constexpr float k_infinite = std::numeric_limits<float>::infinity();
+    std::vector<float> low(attribute.size, k_infinite), high(attribute.size, -k_infinite);
+    for (const FileVertex& vertex : vertices) {
+      for (std::size_t i = 0; i < attribute.size; ++i) {
+        const float value = vertex.values[attribute.first + i];
+        low[i] = std::min(low[i], value);
+        high[i] = std::max(high[i], value);
+        values.push_back(value);
+      }
+    }
+    json accessor{{"bufferView", add_values(values, k_vertex_data)},
+                  {"componentType", k_float},
+                  {"count", vertices.size()},
+                  {"type", attribute.type}};
+    if (attribute.first == k_position.first) {
+      accessor["min"] = low;
+      accessor["max"] = high;
+    }
+    return append("accessors", std::move(accessor));
+  }
+
+  // The highest 16-bit index is kept free: it restarts primitives.
+  int add_indices(const std::vector<std::uint32_t>& indices, std::size_t n_vertices) {
+    const bool narrow = n_vertices <= std::numeric_limits<std::uint16_t>::max();
+    const std::vector<std::uint16_t> narrowed(narrow ? indices.begin() : indices.end(), indices.end());
+    const int view = narrow ? add_values(narrowed, k_index_data) : add_values(indices, k_index_data);
+    return append("accessors", {{"bufferView", view},
+                                {"componentType", narrow ? 5123 : 5125},
+                                {"count", indices.size()},
+                                {"type", "SCALAR"}});
+  }
+
+  int material_number(Material material, bool has_uvs) {
+    if (!has_uvs) material.base_color_texture.clear();  // a texture needs coordinates
+    const auto found = std::find(materials.begin(), materials.end(), material);
+    if (found != materials.end()) return static_cast<int>(found - materials.begin());
+    json surface{{"baseColorFactor", clamped_color(material.base_color)}, {"metallicFactor", 0.0}};
+    if (!material.base_color_texture.empty()) {
+      const int image = append("images", {{"uri", detail::encode_percent(material.base_color_texture)}});
+      surface["baseColorTexture"] = {{"index", append("textures", {{"source", image}})}};
+    }
+    json entry{{"pbrMetallicRoughness", std::move(surface)}, {"doubleSided", true}};
+    if (!material.name.empty()) entry["name"] = material.name;
+    if (material.base_color[3] < 1.0) entry["alphaMode"] = "BLEND";
+    materials.push_back(std::move(material));
+    return append("materials", std::move(entry));
+  }
+
+  json primitive_json(const Primitive& primitive, const PolygonSoup& soup) {
+    json attributes;
+    const auto add = [&](const Attribute& attribute) {
+      attributes[attribute.name] = add_attribute(primitive.vertices, attribute);
+    };
+    add(k_position);
+    if (!soup.corner_normals.empty()) add(k_normal);
+    if (!soup.corner_uvs.empty()) add(k_uv);
+    if (!soup.vertex_colors.empty()) add(k_color);
+    return {{"attributes", std::move(attributes)},
+            {"indices", add_indices(primitive.indices, primitive.vertices.size())},
+            {"mode", 4}};
+  }
+
+  json complete_document(bool with_data) const {
+    json result = document;
+    if (buffer.empty()) return result;
+    json entry{{"byteLength", buffer.size()}};
+    if (with_data) entry["uri"] = "data:application/octet-stream;base64," + detail::encode_base64(buffer);
+    result["buffers"] = json::array({std::move(entry)});
+    return result;
+  }
+
+  static std::string dump(const json& value) {
+    return value.dump(-1, ' ', false, json::error_handler_t::replace);
+  }
+};
+
+GltfBuilder::GltfBuilder() : impl_(std::make_unique<Impl>()) {
+  impl_->document = {{"asset", {{"version", "2.0"}, {"generator", "Recede"}}},
+                     {"scene", 0},
+                     {"scenes", json::array({json::object()})}};
+}
+GltfBuilder::GltfBuilder(GltfBuilder&&) noexcept = default;
+GltfBuilder& GltfBuilder::operator=(GltfBuilder&&) noexcept = default;
+GltfBuilder::~GltfBuilder() = default;
+
+nlohmann::json& GltfBuilder::document() { return impl_->document; }
+
+int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name) {
+  std::vector<Index> faces, corners;
+  triangulate(soup, &faces, &corners);
+  if (corners.empty()) throw InputError("glTF can't hold a mesh without triangles");
+  const Vec3 offset = offset_of(soup);
+  const VertexMaker maker(soup, offset);
+  // One primitive for each material, the faces without one last.
+  std::vector<Primitive> primitives(soup.materials.size() + 1);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Index face = faces[i / 3];
+    const std::size_t material = soup.face_materials.empty() ? k_no_index : soup.face_materials[face];
+    primitives[std::min(material, soup.materials.size())].add_corner(maker.make(corners[i], face));
+  }
+  json list = json::array();
+  for (std::size_t material = 0; material < primitives.size(); ++material) {
+    if (primitives[material].indices.empty()) continue;
+    json entry = impl_->primitive_json(primitives[material], soup);
+    if (material < soup.materials.size()) {
+      entry["material"] = impl_->material_number(soup.materials[material], !soup.corner_uvs.empty());
+    }
+    list.push_back(std::move(entry));
+  }
+  impl_->offsets.push_back(offset);
+  return impl_->append("meshes", {{"name", name}, {"primitives", std::move(list)}});
+}
+
+int GltfBuilder::add_node(int mesh, const std::string& name) {
+  json node{{"name", name}};
+  if (mesh >= 0) {
+    node["mesh"] = mesh;
+    const Vec3& offset = impl_->offsets.at(static_cast<std::size_t>(mesh));
+    if (!offset.isZero(0.0)) node["translation"] = {offset.x(), offset.y(), offset.z()};
+  }
+  return impl_->append("nodes", std::move(node));
+}
+
+void GltfBuilder::add_to_scene(int node) { impl_->document["scenes"][0]["nodes"].push_back(node); }
+
+std::string GltfBuilder::to_gltf() const { return Impl::dump(impl_->complete_document(true)) + '\n'; }
+
+std::string GltfBuilder::to_glb() const {
+  constexpr std::uint32_t k_json_chunk = 0x4e4f534a, k_binary_chunk = 0x004e4942;
+  const auto padded = [](std::size_t size) { return (size + 3) / 4 * 4; };
+  std::string text = Impl::dump(impl_->complete_document(false));
+  text.resize(padded(text.size()), ' ');
+  const std::size_t n_binary = padded(impl_->buffer.size());
+  const std::size_t size = 12 + 8 + text.size() + (n_binary > 0 ? 8 + n_binary : 0);
+  if (size > std::numeric_limits<std::uint32_t>::max()) {
+    throw InputError(fmt::format("a GLB file holds at most 4 GiB, not {} bytes", size));
+  }
+  std::string result;
+  result.reserve(size);
+  const auto put = [&result](std::size_t value) {
+    const auto word = static_cast<std::uint32_t>(value);
+    result.append(reinterpret_cast<const char*>(&word), sizeof word);
+  };
+  result += "glTF";
+  put(2);
+  put(size);
+  put(text.size());
+  put(k_json_chunk);
+  result += text;
+  if (n_binary > 0) {
+    put(n_binary);
+    put(k_binary_chunk);
+    result += impl_->buffer;
+    result.resize(size, '\0');
+  }
+  return result;
+}
+
+namespace detail {
+
+namespace {
+
+GltfBuilder single_mesh(const std::filesystem::path& path, const PolygonSoup& soup) {
+  GltfBuilder builder;
+  const std::string name = path.stem().string();
+  builder.add_to_scene(builder.add_node(builder.add_mesh(soup, name), name));
+  return builder;
+}
+
+std::vector<std::string> left_out_of_gltf(const PolygonSoup& soup) {
+  std::vector<std::string> result =
+      left_out(soup, {.polygons = false, .isolated_vertices = false, .feature_edges = false});
+  const bool textured =
+      std::any_of(soup.materials.begin(), soup.materials.end(),
+                  [](const Material& material) { return !material.base_color_texture.empty(); });
+  if (textured && soup.corner_uvs.empty()) result.emplace_back("textures (there are no texture coordinates)");
+  std::vector<bool> used(soup.materials.size(), false);
+  for (const Index material : soup.face_materials) {
+    if (material != k_no_index) used[material] = true;
+  }
+  const auto unused = std::count(used.begin(), used.end(), false);
+  if (unused > 0)
+    result.push_back(fmt::format("{} {} that no face uses", unused, unused == 1 ? "material" : "materials"));
+  if (loses_digits_as_float(soup)) result.emplace_back(k_rounded_positions);
+  return result;
+}
+
+}  // namespace
+
+OutputFile format_glb(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions&) {
+  return {single_mesh(path, soup).to_glb(), {}, left_out_of_gltf(soup)};
+}
+
+OutputFile format_gltf(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions&) {
+  return {single_mesh(path, soup).to_gltf(), {}, left_out_of_gltf(soup)};
+}
+
+}  // namespace detail
+
+}  // namespace recede

@@ -1,0 +1,191 @@
+#include <recede/geometry/error.h>
+#include <recede/lod/lod_hierarchy.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace recede {
+
+double pixel_footprint(double distance, const ViewSettings& view) {
+  return 2 * distance / view.image_height * std::tan(view.field_of_view / 2);
+}
+
+double switch_distance(double error, const ViewSettings& view) {
+  return error / (view.pixel_error * pixel_footprint(1, view));
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void require(bool condition, const std::string& text) {
+  if (!condition) throw OptionError(text);
+}
+
+template <typename InOrder>
+void check_list(const std::vector<double>& values, const char* name, InOrder in_order, const char* order) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    require(std::isfinite(values[i]) && values[i] > 0, fmt::format("{} must be positive", name));
+    require(i == 0 || in_order(values[i - 1], values[i]), fmt::format("{} must {}", name, order));
+  }
+}
+
+void check(const HierarchyOptions& options) {
+  const int ways = int(!options.ratios.empty()) + int(!options.errors.empty()) + int(!options.distances.empty());
+  require(ways == 1, "levels are chosen by exactly one of ratios, errors and distances");
+  check_list(options.ratios, "ratios", std::greater<>(), "decrease");
+  check_list(options.errors, "errors", std::less<>(), "increase");
+  check_list(options.distances, "distances", std::less<>(), "increase");
+  require(options.ratios.empty() || options.ratios.front() < 1, "ratios must be below 1");
+  const ViewSettings& view = options.view;
+  require(view.image_height >= 1, "the image height must be at least one pixel");
+  require(view.field_of_view > 0 && view.field_of_view < 3.14159, "the field of view must lie between 0 and pi");
+  require(view.pixel_error > 0, "the pixel error must be positive");
+  require(options.measure.bound_tolerance.has_value(), "a hierarchy needs a certified bound");
+}
+
+/// Passes progress on with the level's name in front.
+class LevelProgress final : public Progress {
+ public:
+  LevelProgress(Progress* to, std::string level) : to_(to), level_(std::move(level)) {}
+  void update(std::string_view stage, double fraction) override {
+    report_progress(to_, fmt::format("{}: {}", level_, stage), fraction);
+  }
+  bool cancel_requested() const override { return to_ != nullptr && to_->cancel_requested(); }
+
+ private:
+  Progress* to_;
+  std::string level_;
+};
+
+class HierarchyBuilder {
+ public:
+  HierarchyBuilder(const PolygonMesh& mesh, const HierarchyOptions& options, Progress* progress)
+      : mesh_(mesh), input_(to_soup(mesh)), options_(options), progress_(progress) {}
+
+  LodHierarchy build(const std::string& name) {
+    hierarchy_.name = name;
+    hierarchy_.view = options_.view;
+    const Box3 box = bounding_box(input_);
+    hierarchy_.center = box.center();
+    for (const Vec3& p : input_.positions) {
+      hierarchy_.radius = std::max(hierarchy_.radius, (p - hierarchy_.center).norm());
+    }
+    hierarchy_.levels.push_back({.mesh = mesh_});
+    if (!options_.ratios.empty()) {
+      add_levels_by_ratio();
+    } else {
+      add_levels_by_error();
+    }
+    set_switch_distances();
+    return std::move(hierarchy_);
+  }
+
+ private:
+  void add_levels_by_ratio() {
+    std::vector<SimplifyTarget> targets;
+    for (const double ratio : options_.ratios) targets.push_back({.ratio = ratio});
+    for (SimplifyResult& result : simplify_levels(mesh_, targets, options_.simplify, progress_)) add_level(std::move(result));
+  }
+
+  void add_levels_by_error() {
+    std::vector<double> limits = options_.errors;
+    for (const double distance : options_.distances) {
+      limits.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
+    }
+    for (const double limit : limits) {
+      const std::string name = fmt::format("level {}", hierarchy_.levels.size());
+      LevelProgress progress(progress_, name);
+      hierarchy_.levels.push_back(search_level(limit, &progress));
+    }
+  }
+
+  /// The coarsest of a few simplifications whose certified bound keeps the limit. The estimate that simplification
+  /// stops at and the bound grow together, so their ratio in one try gives the next.
+  LodLevel search_level(double limit, Progress* progress) {
+    constexpr int k_tries = 6;
+    constexpr double k_close_enough = 0.9;  // of the limit
+    constexpr double k_margin = 0.95;       // aim a little lower than the limit
+    double estimate = limit / 2, below = 0, above = std::numeric_limits<double>::infinity();
+    LodLevel best;
+    bool found = false;
+    for (int attempt = 0; attempt < k_tries; ++attempt) {
+      SimplifyOptions options = options_.simplify;
+      options.target = {.error = estimate};
+      LodLevel level = measured_level(simplify(mesh_, options, progress), progress);
+      const double bound = level.error.bound;
+      if (bound <= limit) {
+        below = std::max(below, estimate);
+        if (!found || level.mesh.n_faces() <= best.mesh.n_faces()) best = std::move(level);
+        found = true;
+        if (bound >= k_close_enough * limit) break;
+      } else {
+        above = std::min(above, estimate);
+      }
+      double next = bound > 0 ? estimate * k_margin * limit / bound : 4 * estimate;
+      if (!(next > below && next < above)) next = std::isfinite(above) ? 0.5 * (below + above) : 4 * estimate;
+      estimate = next;
+    }
+    if (found) return best;
+    LodLevel copy;  // nothing simpler keeps the limit: the level before does
+    copy.mesh = hierarchy_.levels.back().mesh;
+    copy.error = hierarchy_.levels.back().error;
+    copy.stop_reason = "no simplification keeps the error limit";
+    return copy;
+  }
+
+  LodLevel measured_level(SimplifyResult result, Progress* progress) {
+    LodLevel level;
+    level.simplify_seconds = result.seconds;
+    level.stop_reason = to_string(result.reason);
+    const auto start = Clock::now();
+    const MeshDistance distance = measure_distance(input_, to_soup(result.mesh), options_.measure, progress);
+    level.measure_seconds = seconds_since(start);
+    level.error = {distance.max, distance.rms, *distance.max_bound};
+    level.mesh = std::move(result.mesh);
+    return level;
+  }
+
+  void add_level(SimplifyResult result) {
+    LevelProgress progress(progress_, fmt::format("level {}", hierarchy_.levels.size()));
+    hierarchy_.levels.push_back(measured_level(std::move(result), &progress));
+  }
+
+  /// Distances count from the nearest point of the bounding sphere, where an error looks largest, and never fall
+  /// from one level to the next.
+  void set_switch_distances() {
+    double previous = 0;
+    for (LodLevel& level : hierarchy_.levels) {
+      level.switch_distance = std::max(previous, switch_distance(level.error.bound, options_.view));
+      previous = level.switch_distance;
+      const double to_center = level.switch_distance + hierarchy_.radius;
+      const double half_height = to_center * std::tan(options_.view.field_of_view / 2);
+      level.screen_coverage = half_height > 0 ? std::min(1.0, hierarchy_.radius / half_height) : 1;
+    }
+    hierarchy_.levels.front().screen_coverage = 1;
+  }
+
+  const PolygonMesh& mesh_;
+  PolygonSoup input_;
+  const HierarchyOptions& options_;
+  Progress* progress_;
+  LodHierarchy hierarchy_;
+};
+
+}  // namespace
+
+LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name, const HierarchyOptions& options,
+                             Progress* progress) {
+  check(options);
+  if (mesh.n_faces() == 0) throw InputError(name + ": a hierarchy needs a mesh with faces");
+  return HierarchyBuilder(mesh, options, progress).build(name);
+}
+
+}  // namespace recede

@@ -1,0 +1,158 @@
+#include <recede/geometry/atomic_file.h>
+#include <recede/geometry/error.h>
+#include <recede/geometry/gltf_writer.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/lod_hierarchy.h>
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace recede {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int k_format_version = 1;
+
+/// MSFT_lod: the finest level's node names the others. MSFT_screencoverage: below entry i, level i + 1 serves; the
+/// last entry is the coverage below which nothing is drawn, which this hierarchy leaves at 0.
+std::string to_glb(const LodHierarchy& hierarchy) {
+  GltfBuilder builder;
+  nlohmann::json ids = nlohmann::json::array(), coverage = nlohmann::json::array();
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    const std::string name = fmt::format("{} level {}", hierarchy.name, i);
+    const int node = builder.add_node(builder.add_mesh(to_soup(hierarchy.levels[i].mesh), name), name);
+    if (i == 0) {
+      builder.add_to_scene(node);
+    } else {
+      ids.push_back(node);
+      coverage.push_back(hierarchy.levels[i].screen_coverage);
+    }
+  }
+  coverage.push_back(0.0);
+  if (!ids.empty()) {
+    auto& finest = builder.document()["nodes"][0];
+    finest["extensions"]["MSFT_lod"]["ids"] = std::move(ids);
+    finest["extras"]["MSFT_screencoverage"] = std::move(coverage);
+    builder.document()["extensionsUsed"].push_back("MSFT_lod");
+  }
+  return builder.to_glb();
+}
+
+Json to_json(const LodLevel& level, const std::string& file) {
+  return {{"file", file},
+          {"faces", level.mesh.n_faces()},
+          {"vertices", level.mesh.n_vertices()},
+          {"error", {{"max", level.error.max}, {"rms", level.error.rms}, {"bound", level.error.bound}}},
+          {"switch_distance", level.switch_distance},
+          {"screen_coverage", level.screen_coverage},
+          {"simplify_seconds", level.simplify_seconds},
+          {"measure_seconds", level.measure_seconds},
+          {"stop_reason", level.stop_reason}};
+}
+
+/// A folder that takes its final name only when everything in it was written.
+class StagedFolder {
+ public:
+  explicit StagedFolder(fs::path target) : target_(std::move(target)), stage_(target_.string() + suffix(".part")) {
+    std::error_code failed;
+    fs::create_directories(stage_, failed);
+    if (failed) throw InputError::in_file(stage_.string(), failed.message());
+  }
+  ~StagedFolder() {
+    std::error_code ignored;
+    fs::remove_all(stage_, ignored);
+  }
+  StagedFolder(const StagedFolder&) = delete;
+  StagedFolder& operator=(const StagedFolder&) = delete;
+
+  const fs::path& path() const { return stage_; }
+
+  /// Replaces an earlier folder of the same name.
+  void commit() {
+    std::error_code failed;
+    const fs::path old = target_.string() + suffix(".old");
+    const bool replaces = fs::exists(target_);
+    if (replaces) fs::rename(target_, old, failed);
+    if (!failed) fs::rename(stage_, target_, failed);
+    if (failed) throw InputError::in_file(target_.string(), failed.message());
+    if (replaces) fs::remove_all(old, failed);
+  }
+
+ private:
+  static std::string suffix(const char* what) { return what + std::to_string(::getpid()); }
+  fs::path target_, stage_;
+};
+
+}  // namespace
+
+HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hierarchy) {
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed) throw InputError::in_file(folder.string(), failed.message());
+  HierarchyFiles files;
+  files.glb = folder / (hierarchy.name + ".glb");
+  files.folder = folder / (hierarchy.name + ".recede");
+  StagedFolder staged(files.folder);
+  Json levels = Json::array();
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    const std::string file = fmt::format("level_{}.ply", i);
+    files.level_bytes.push_back(write_mesh(staged.path() / file, hierarchy.levels[i].mesh).bytes);
+    files.level_files.push_back(files.folder / file);
+    levels.push_back(to_json(hierarchy.levels[i], file));
+  }
+  const Json document = {{"format", "recede hierarchy"},
+                         {"version", k_format_version},
+                         {"name", hierarchy.name},
+                         {"view",
+                          {{"image_height", hierarchy.view.image_height},
+                           {"field_of_view", hierarchy.view.field_of_view},
+                           {"pixel_error", hierarchy.view.pixel_error}}},
+                         {"center", {hierarchy.center.x(), hierarchy.center.y(), hierarchy.center.z()}},
+                         {"radius", hierarchy.radius},
+                         {"levels", levels}};
+  write_file_atomically(staged.path() / "hierarchy.json", document.dump(2) + "\n");
+  const std::string glb = to_glb(hierarchy);
+  staged.commit();
+  write_file_atomically(files.glb, glb);
+  return files;
+}
+
+LodHierarchy read_hierarchy(const fs::path& folder) {
+  const fs::path file = folder / "hierarchy.json";
+  const std::string text = read_whole_file(file);
+  LodHierarchy hierarchy;
+  try {
+    const Json document = Json::parse(text);
+    if (document.at("format") != "recede hierarchy" || document.at("version") != k_format_version) {
+      throw InputError::in_file(file.string(), "isn't a hierarchy of format version 1");
+    }
+    hierarchy.name = document.at("name");
+    const Json& view = document.at("view");
+    hierarchy.view = {view.at("image_height"), view.at("field_of_view"), view.at("pixel_error")};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) hierarchy.center[axis] = document.at("center").at(static_cast<std::size_t>(axis));
+    hierarchy.radius = document.at("radius");
+    for (const Json& entry : document.at("levels")) {
+      LodLevel level;
+      PolygonSoup soup = read_soup(folder / entry.at("file").get<std::string>());
+      level.mesh = to_polygon_mesh(soup);
+      const Json& error = entry.at("error");
+      level.error = {error.at("max"), error.at("rms"), error.at("bound")};
+      level.switch_distance = entry.at("switch_distance");
+      level.screen_coverage = entry.at("screen_coverage");
+      level.simplify_seconds = entry.at("simplify_seconds");
+      level.measure_seconds = entry.at("measure_seconds");
+      level.stop_reason = entry.at("stop_reason");
+      hierarchy.levels.push_back(std::move(level));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError::in_file(file.string(), error.what());
+  }
+  return hierarchy;
+}
+
+}  // namespace recede

@@ -1,0 +1,55 @@
+// A pinhole camera with square pixels.
+#pragma once
+
+#include <recede/geometry/vec.h>
+#include <recede/lod/lod_hierarchy.h>
+
+#include <span>
+
+namespace recede {
+
+/// Looks from `position` to `target`, which lands in the middle of the image.
+struct Camera {
+  Vec3 position{0, 0, 3};
+  Vec3 target = Vec3::Zero();
+  Vec3 up =
+      Vec3::UnitY();  ///< points upwards in the image; any direction but the view's own, need not be unit
+  double field_of_view = 0.785398163397448;  ///< vertical, radians, in (0, pi)
+  int width = 512;                           ///< pixels
+  int height = 512;                          ///< pixels
+};
+
+/// A camera's axes in object space, orthonormal, and its pixel size.
+struct CameraFrame {
+  Vec3 position, right, up, forward;
+  double pixel = 0;  ///< side of a pixel on the plane at distance 1
+  Vec2 middle;       ///< of the image, pixels
+
+  /// Unit direction through the image point (x, y) in pixels; (0, 0) is the upper left corner of the upper
+  /// left pixel, whose middle is (0.5, 0.5).
+  Vec3 direction(double x, double y) const;
+};
+
+/// Throws `OptionError` when position and target coincide, or a number of `camera` is out of range. When `up`
+/// is parallel to the view, some perpendicular direction serves.
+CameraFrame frame_of(const Camera& camera);
+
+/// A square image of `view.image_height` pixels, seen from `distance` (object units) away from `center`,
+/// towards which the camera looks. `direction` points from the center to the camera, any length.
+Camera look_at(const Vec3& center, const Vec3& direction, double distance, const Vec3& up,
+               const ViewSettings& view);
+
+/// The middle `width` x `height` pixels of the same picture; both sides should have the camera's parity, or
+/// the pixels lie half a pixel off. Larger sizes show more around it.
+Camera crop_to_middle(const Camera& camera, int width, int height);
+
+/// Diameter in pixels of the disc that a sphere around the camera's target covers. Infinite from inside.
+double projected_diameter(const Camera& camera, double radius);
+
+/// The square picture of `size` pixels with the given vertical field of view (radians) that holds all points
+/// as large as possible but for `margin`, a share of the picture's half side. `direction` points towards the
+/// camera. Throws `InputError` when there are no points.
+Camera frame_points(std::span<const Vec3> points, const Vec3& direction, const Vec3& up, double field_of_view,
+                    int size, double margin);
+
+}  // namespace recede

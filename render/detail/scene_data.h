@@ -1,0 +1,41 @@
+// The inside of a Scene, for the renderer only.
+#pragma once
+
+#include <recede/geometry/vec.h>
+#include <recede/render/image.h>
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace recede::detail {
+
+/// Lengths and places are those of the unit box: (object - center) * scale.
+struct SceneData {
+  SceneData() = default;
+  ~SceneData();
+  SceneData(const SceneData&) = delete;
+  SceneData& operator=(const SceneData&) = delete;
+
+  RTCScene scene = nullptr;
+  std::vector<std::array<float, 4>> positions;  ///< the fourth is padding: Embree reads 16 bytes
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<Eigen::Vector3f> corner_normals;  ///< three a triangle, on the side of its front; or (0,0,0)
+  std::vector<Rgb> triangle_colors;
+  std::vector<Rgb> vertex_colors;  ///< factors, or empty
+  /// Bit k: the side from vertex k to vertex k + 1 is a side of the polygon, not a diagonal.
+  std::vector<std::uint8_t> polygon_sides;
+  std::vector<float> polygon_areas;  ///< of the polygon that the triangle belongs to
+
+  Vec3 center = Vec3::Zero();
+  double scale = 1;
+  double radius = 0;  ///< of a sphere around the origin that holds all positions
+};
+
+/// Throws `Error` when the calling thread's last call to Embree failed; `doing` says what it was.
+void throw_on_embree_error(RTCDevice device, const std::string& doing);
+
+}  // namespace recede::detail

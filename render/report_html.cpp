@@ -1,0 +1,283 @@
+#include <recede/geometry/detail/base64.h>
+#include <recede/render/detail/markup.h>
+#include <recede/render/detail/report_content.h>
+#include <recede/render/svg_plot.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace recede::detail {
+
+namespace {
+
+constexpr std::string_view k_style = R"(
+:root { color-scheme: light dark; --page: #fbfbfa; --ink: #20242a; --faint: #666d77; --line: #d9dce1; --raised: #fff; }
+@media (prefers-color-scheme: dark) {
+  :root { --page: #16181c; --ink: #e4e6ea; --faint: #9aa1ac; --line: #343941; --raised: #1e2126; }
+}
+* { box-sizing: border-box; }
+body { margin: 0 auto; padding: 24px 20px 60px; max-width: 1240px; background: var(--page); color: var(--ink);
+  font: 15px/1.5 system-ui, sans-serif; }
+h1 { font-size: 26px; margin: 0 0 4px; overflow-wrap: anywhere; }
+h2 { font-size: 19px; margin: 40px 0 10px; }
+h3 { font-size: 16px; margin: 0 0 2px; }
+p { margin: 0 0 8px; max-width: 75ch; }
+.faint, figcaption, th small { color: var(--faint); }
+.below { margin: 8px 0 20px; }
+.wide { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px; background: var(--raised); }
+table { border-collapse: collapse; width: 100%; font-size: 13.5px; font-variant-numeric: tabular-nums; }
+th, td { padding: 6px 9px; text-align: right; white-space: nowrap; vertical-align: top; }
+th { font-weight: 600; line-height: 1.25; }
+th small { display: block; font-weight: 400; }
+thead { border-bottom: 1px solid var(--line); }
+tbody tr + tr { border-top: 1px solid var(--line); }
+td small { display: block; color: var(--faint); font-size: 12px; }
+td.text, th.text { text-align: left; }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 420px), 1fr)); gap: 14px; }
+.plot, .level { border: 1px solid var(--line); border-radius: 8px; background: var(--raised); padding: 14px; }
+.plots svg { display: block; width: 100%; }
+.level { margin: 0 0 14px; }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 360px), 1fr)); gap: 14px; }
+.pictures { display: flex; flex-wrap: wrap; gap: 14px; align-items: flex-start; margin-top: 8px; }
+figure { margin: 0; max-width: 100%; }
+a { color: inherit; }
+figure img { display: block; max-width: 100%; height: auto; border-radius: 4px; }
+figure.enlarged img { image-rendering: pixelated; }
+figcaption { font-size: 12.5px; line-height: 1.35; margin-top: 5px; contain: inline-size; }
+.scale { height: 10px; border-radius: 3px; margin-top: 8px; }
+.ends { display: flex; justify-content: space-between; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 5px 16px; margin: 0; font-size: 14px; }
+dt { font-weight: 600; }
+dd { margin: 0; max-width: 80ch; }
+@media (max-width: 560px) { dl { display: block; } dd { margin-bottom: 8px; } body { padding: 16px 12px 40px; } }
+)";
+
+std::string bytes_text(std::uintmax_t bytes) {
+  if (bytes < 1000) return fmt::format("{} B", bytes);
+  const double size = static_cast<double>(bytes);
+  if (bytes < 1'000'000) return short_number(size / 1e3) + " kB";
+  return bytes < 1'000'000'000 ? short_number(size / 1e6) + " MB" : short_number(size / 1e9) + " GB";
+}
+
+std::string percent(double share) { return short_number(100 * share) + " %"; }
+
+double in_degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+std::string cell(const std::string& content, const std::string& second_line = "") {
+  const std::string small = second_line.empty() ? "" : "<small>" + second_line + "</small>";
+  return "<td>" + content + small + "</td>";
+}
+
+// "12 tri", "6 quad", "1 n-gon" on lines of their own: only kinds that occur, unless all are triangles.
+std::string kinds_of_faces(const MeshSummary& summary) {
+  if (summary.triangles == summary.faces) return "triangles";
+  std::string text;
+  const auto add = [&text](std::size_t count, std::string_view kind) {
+    if (count != 0) text += (text.empty() ? "" : "<br>") + grouped(count) + " " + std::string(kind);
+  };
+  add(summary.triangles, "tri");
+  add(summary.quads, "quad");
+  add(summary.larger_polygons, "n-gon");
+  return text;
+}
+
+std::string error_cell(double error, double diagonal) {
+  return cell(short_number(error), percent(error / diagonal));
+}
+
+std::string table_row(const ReportContent& content, std::size_t index) {
+  const LodLevel& level = content.hierarchy.levels[index];
+  const LevelContent& drawn = content.levels[index];
+  std::string row = fmt::format("<tr id=\"row-{0}\"><td>{1}</td>", index,
+                                index == 0 ? "0" : fmt::format("<a href=\"#level-{0}\">{0}</a>", index));
+  row += cell(grouped(drawn.summary.faces), kinds_of_faces(drawn.summary));
+  row += cell(grouped(drawn.summary.vertices));
+  row += cell(bytes_text(content.files.level_bytes[index]));
+  for (const double error : {level.error.max, level.error.rms, level.error.bound}) {
+    row += error_cell(error, content.diagonal);
+  }
+  row += cell(short_number(level.switch_distance));
+  row += cell(percent(level.screen_coverage));
+  row += drawn.at_switch ? cell(short_number(drawn.at_switch->difference.rmse),
+                                percent(drawn.at_switch->difference.changed_share) + " of pixels")
+                         : cell("–");
+  row += cell(short_number(level.simplify_seconds));
+  row += cell(short_number(level.measure_seconds));
+  row += fmt::format("<td class=\"text\">{}</td></tr>\n",
+                     level.stop_reason.empty() ? "the input" : escape_markup(level.stop_reason));
+  return row;
+}
+
+std::string summary_table(const ReportContent& content) {
+  std::string table =
+      "<div class=\"wide\"><table>\n<thead><tr><th>Level</th><th>Faces</th><th>Vertices</th><th>File</th>"
+      "<th>Max error<small>object units<br>% of diagonal</small></th><th>RMS error<small>object units<br>% "
+      "of diagonal</small></th>"
+      "<th>Bound<small>object units<br>% of diagonal</small></th><th>Switch<br>distance<small>object "
+      "units</small></th><th>Screen<br>coverage</th>"
+      "<th>Image<br>RMSE</th><th>Simplify<small>s</small></th><th>Measure<small>s</small></th>"
+      "<th class=\"text\">Stopped by</th></tr></thead>\n<tbody>\n";
+  for (std::size_t i = 0; i < content.levels.size(); ++i) table += table_row(content, i);
+  return table + "</tbody>\n</table></div>\n";
+}
+
+std::string error_plot(const ReportContent& content) {
+  PlotSeries bound{"certified bound", {}}, max{"maximum", {}}, rms{"RMS", {}};
+  for (std::size_t i = 1; i < content.levels.size(); ++i) {
+    const double faces = static_cast<double>(content.levels[i].summary.faces);
+    const LevelError& error = content.hierarchy.levels[i].error;
+    bound.points.emplace_back(faces, error.bound);
+    max.points.emplace_back(faces, error.max);
+    rms.points.emplace_back(faces, error.rms);
+  }
+  return svg_plot({.title = "Error against size",
+                   .x = {"faces", true},
+                   .y = {"error (object units)", true},
+                   .series = {bound, max, rms}});
+}
+
+std::string seconds_plot(const ReportContent& content) {
+  PlotSeries simplify{"simplify, from the start of the run", {}}, measure{"measure", {}};
+  for (std::size_t i = 1; i < content.levels.size(); ++i) {
+    const double faces = static_cast<double>(content.levels[i].summary.faces);
+    simplify.points.emplace_back(faces, content.hierarchy.levels[i].simplify_seconds);
+    measure.points.emplace_back(faces, content.hierarchy.levels[i].measure_seconds);
+  }
+  return svg_plot({.title = "Time against size",
+                   .x = {"faces", true},
+                   .y = {"seconds", false},
+                   .series = {simplify, measure}});
+}
+
+// Small pictures are enlarged by a whole factor, so that every pixel of the camera stays a square.
+int enlargement(const Image& image) {
+  constexpr int k_wanted = 260;
+  return std::max(1, k_wanted / std::max(image.width, image.height));
+}
+
+std::string figure(const Image& image, std::string_view alternative, const std::string& caption,
+                   int factor = 1) {
+  return fmt::format(
+      "<figure class=\"{}\"><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">"
+      "<figcaption>{}</figcaption></figure>\n",
+      factor > 1 ? "enlarged" : "plain", image.width * factor, image.height * factor,
+      escape_markup(alternative), encode_base64(encode_png(image)), caption);
+}
+
+std::string heat_scale() {
+  std::string stops;
+  for (const unsigned color : heat_map_colors()) stops += fmt::format(", #{:06x}", color);
+  return fmt::format(
+      "<div class=\"scale\" style=\"background: linear-gradient(to right{})\"></div>"
+      "<div class=\"ends\"><span>0</span><span>{:g}</span></div>",
+      stops, k_heat_map_scale);
+}
+
+std::string size_note(const SwitchView& view, int factor) {
+  const std::string size = fmt::format("{} × {} pixels", view.difference.width, view.difference.height);
+  if (view.shrink_factor > 1) return size + fmt::format(", shown {} times smaller", view.shrink_factor);
+  return factor > 1 ? size + fmt::format(", shown {} times larger", factor) : size;
+}
+
+std::string switch_figures(const SwitchView& view, std::size_t index) {
+  const int factor = enlargement(view.level);
+  const std::string cut =
+      view.sphere_fits ? "" : " The image's middle: the model's sphere is larger than the image.";
+  const ImageDifference& difference = view.difference;
+  return figure(view.level, fmt::format("Level {} at its switch distance", index),
+                fmt::format("Level {} at its switch distance. {}.{}", index, size_note(view, factor), cut),
+                factor) +
+         figure(view.original, "The original from the same camera", "The original from the same camera.",
+                factor) +
+         figure(view.heat, "Difference of both pictures",
+                heat_scale() + fmt::format("Difference: RMSE {}, largest {}, {} of pixels above 1/255.",
+                                           short_number(difference.rmse), short_number(difference.max),
+                                           percent(difference.changed_share)),
+                factor);
+}
+
+std::string close_ups(const ReportContent& content) {
+  std::string html = "<h2>From near, with the polygons' sides</h2>\n<div class=\"gallery\">\n";
+  for (std::size_t i = 0; i < content.levels.size(); ++i) {
+    html += figure(content.levels[i].close_up, fmt::format("Level {} from near", i),
+                   fmt::format("Level {}: {} faces", i, grouped(content.levels[i].summary.faces)));
+  }
+  return html + "</div>\n";
+}
+
+std::string level_section(const ReportContent& content, std::size_t index) {
+  const LodLevel& level = content.hierarchy.levels[index];
+  return fmt::format(
+             "<section class=\"level\" id=\"level-{0}\"><h3>Level {0}: {1} faces</h3>\n"
+             "<p class=\"faint\">Serves from distance {2} on; off by at most {3} object units.</p>\n"
+             "<div class=\"pictures\">\n",
+             index, grouped(content.levels[index].summary.faces), short_number(level.switch_distance),
+             short_number(level.error.bound)) +
+         switch_figures(*content.levels[index].at_switch, index) + "</div>\n</section>\n";
+}
+
+std::string header(const ReportContent& content) {
+  const LodHierarchy& hierarchy = content.hierarchy;
+  const MeshSummary& input = content.levels[0].summary;
+  std::string html = fmt::format("<h1>{}</h1>\n", escape_markup(hierarchy.name));
+  html += fmt::format(
+      "<p>{} faces, {} vertices, bounding box diagonal {} object units. {} levels in <b>{}</b>.</p>\n",
+      grouped(input.faces), grouped(input.vertices), short_number(content.diagonal), content.levels.size(),
+      escape_markup(content.files.glb.filename().string()));
+  html += fmt::format(
+      "<p class=\"faint\">Switch distances hold for an image {} pixels high, a vertical field of view of "
+      "{:.4g} degrees and {:.4g} {} of permitted error.</p>\n",
+      grouped(static_cast<std::size_t>(std::lround(hierarchy.view.image_height))),
+      in_degrees(hierarchy.view.field_of_view), hierarchy.view.pixel_error,
+      hierarchy.view.pixel_error == 1 ? "pixel" : "pixels");
+  return html;
+}
+
+constexpr std::string_view k_how_to_read = R"(<h2 id="reading">How to read this</h2>
+<dl>
+<dt>Faces, vertices</dt><dd>Polygons and points of the level; triangles, quads and larger polygons are counted apart.</dd>
+<dt>File</dt><dd>Size of the level's own file, polygons in double precision.</dd>
+<dt>Max error</dt><dd>Largest distance seen between the level and the original, both ways, in object units: the truth is at
+least this.</dd>
+<dt>RMS error</dt><dd>Root of the mean squared distance over both surfaces, in object units.</dd>
+<dt>Bound</dt><dd>Proved: no point of either surface is farther than this from the other.</dd>
+<dt>Switch distance</dt><dd>From here on the bound covers no more than the permitted number of pixels, so the level
+may stand in for the original.</dd>
+<dt>Screen coverage</dt><dd>Share of the image's height that the model's bounding sphere covers at that distance.</dd>
+<dt>Image RMSE</dt><dd>Root of the mean squared difference between the pictures of the level and of the original at the switch
+distance, where 1 is the step from black to white; below it, the share of pixels that differ by more than 1/255.</dd>
+<dt>Simplify</dt><dd>Seconds from the start of the run to this level.</dd>
+<dt>Measure</dt><dd>Seconds to measure the level's error.</dd>
+<dt>Stopped by</dt><dd>What ended the simplification at this level.</dd>
+<dt>Pictures</dt><dd>The camera stands where the bounding sphere's nearest point is at the switch distance and
+looks at its center; the picture is cut to the sphere. Light grey surfaces have no material. Shading shows normals, so a
+picture may differ where the shape is within its bound.</dd>
+</dl>
+)";
+
+}  // namespace
+
+std::string report_html(const ReportContent& content) {
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}: levels of detail</title>\n<style>{}</style>\n</head>\n<body>\n",
+      escape_markup(content.hierarchy.name), k_style);
+  html += header(content);
+  html += "<h2>Levels</h2>\n" + summary_table(content);
+  html += "<p class=\"below\"><a href=\"#reading\">How to read this</a></p>\n";
+  if (content.levels.size() > 1) {
+    html += "<div class=\"plots\">\n<div class=\"plot\">" + error_plot(content) +
+            "</div>\n<div class=\"plot\">" + seconds_plot(content) + "</div>\n</div>\n";
+  }
+  html += close_ups(content);
+  if (content.levels.size() > 1) html += "<h2>At the switch distances</h2>\n";
+  for (std::size_t i = 1; i < content.levels.size(); ++i) html += level_section(content, i);
+  html += k_how_to_read;
+  return html + "</body>\n</html>\n";
+}
+
+}  // namespace recede::detail

@@ -1,0 +1,391 @@
+#include "input_errors.h"
+#include "soups.h"
+#include <recede/geometry/detail/base64.h>
+#include <recede/geometry/gltf_writer.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+
+namespace recede::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// A document by hand: accessors are added one by one, all in one buffer inside the text.
+class HandMade {
+ public:
+  json document{{"asset", {{"version", "2.0"}}}, {"scenes", json::array({{{"nodes", {0}}}})}};
+
+  template <class Value>
+  int accessor(const char* type, int component_type, std::size_t components,
+               const std::vector<Value>& values) {
+    buffer_.resize((buffer_.size() + 3) / 4 * 4);
+    document["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", values.size() * sizeof(Value)}});
+    buffer_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+    document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
+                                     {"componentType", component_type},
+                                     {"count", values.size() / components},
+                                     {"type", type}});
+    return static_cast<int>(document["accessors"].size()) - 1;
+  }
+  // The unit square's four corners in the order of a strip.
+  int square() { return accessor<float>("VEC3", 5126, 3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}); }
+  int indices(const std::vector<std::uint16_t>& values) { return accessor("SCALAR", 5123, 1, values); }
+  void primitive(json value) { document["meshes"][0]["primitives"].push_back(std::move(value)); }
+  void node(json value = json::object()) {
+    value["mesh"] = 0;
+    document["nodes"].push_back(std::move(value));
+  }
+  std::string text() const {
+    json result = document;
+    result["buffers"] = {{{"byteLength", buffer_.size()},
+                          {"uri", "data:application/octet-stream;base64," + detail::encode_base64(buffer_)}}};
+    return result.dump(1);
+  }
+  const std::string& buffer() const { return buffer_; }
+
+ private:
+  std::string buffer_;
+};
+
+HandMade square_with(json primitive) {
+  HandMade made;
+  primitive["attributes"]["POSITION"] = made.square();
+  made.primitive(std::move(primitive));
+  made.node();
+  return made;
+}
+
+double total_area_z(const PolygonSoup& soup) {
+  double area = 0.0;
+  for (std::size_t face = 0; face < soup.n_faces(); ++face) area += vector_area(soup, face).z();
+  return area;
+}
+
+int validate_gltf(const std::vector<std::filesystem::path>& files) {
+  std::string command = fmt::format("node '{}' '{}'", RECEDE_VALIDATE_GLTF, RECEDE_NODE_MODULES);
+  for (const auto& file : files) command += fmt::format(" '{}'", file.string());
+  return std::system(command.c_str());
+}
+
+TEST(GltfReader, ReadsTrianglesStripsAndFansWithAndWithoutIndices) {
+  HandMade triangles = square_with({});
+  triangles.document["meshes"][0]["primitives"][0]["indices"] = triangles.indices({0, 1, 3, 0, 3, 2});
+  EXPECT_THAT(read_text("a.gltf", triangles.text()).corner_vertices, ElementsAre(0, 1, 3, 0, 3, 2));
+  EXPECT_THAT(read_text("a.gltf", square_with({{"mode", 5}}).text()).corner_vertices,
+              ElementsAre(0, 1, 2, 1, 3, 2));
+  EXPECT_THAT(read_text("a.gltf", square_with({{"mode", 6}}).text()).corner_vertices,
+              ElementsAre(0, 1, 2, 0, 2, 3));
+  HandMade strip = square_with({{"mode", 5}});
+  strip.document["meshes"][0]["primitives"][0]["indices"] = strip.indices({0, 1, 2, 2, 1, 1, 1, 3, 2});
+  EXPECT_THAT(read_text("a.gltf", strip.text()).corner_vertices, ElementsAre(0, 1, 2, 1, 3, 2))
+      << "triangles without area only lead the strip to another place";
+}
+
+TEST(GltfReader, AppliesTransformsOfNestedNodes) {
+  HandMade made = square_with({{"mode", 5}});
+  made.document["nodes"] = json::array();
+  made.document["nodes"].push_back({{"translation", {10, 0, 0}}, {"scale", {2, 2, 2}}, {"children", {1}}});
+  // A quarter turn about z.
+  made.node({{"rotation", {0, 0, std::sqrt(0.5), std::sqrt(0.5)}}});
+  const PolygonSoup soup = read_text("a.gltf", made.text());
+  EXPECT_NEAR((soup.positions[1] - Vec3(10, 2, 0)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR(total_area_z(soup), 4.0, 1e-12);
+  made.document["nodes"][0] = {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1}},
+                               {"children", {1}}};
+  EXPECT_NEAR((read_text("a.gltf", made.text()).positions[1] - Vec3(5, 7, 7)).norm(), 0.0, 1e-14);
+}
+
+TEST(GltfReader, TurnsTrianglesThatATransformMirrors) {
+  HandMade made = square_with({{"mode", 5}});
+  made.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
+      made.accessor<float>("VEC3", 5126, 3, {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
+  made.document["nodes"][0]["scale"] = {-1, 1, 1};
+  const PolygonSoup soup = read_text("a.gltf", made.text());
+  EXPECT_NEAR(total_area_z(soup), 1.0, 1e-12);
+  for (const Vec3& normal : soup.corner_normals) EXPECT_EQ(normal, Vec3(0, 0, 1));
+  EXPECT_EQ(soup.positions[1], Vec3(-1, 0, 0));
+}
+
+TEST(GltfReader, ReadsAttributesOfAllComponentTypes) {
+  HandMade made = square_with({{"mode", 5}});
+  json& attributes = made.document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_0"] =
+      made.accessor<std::uint16_t>("VEC2", 5123, 2, {0, 65535, 65535, 0, 13107, 0, 0, 0});
+  attributes["COLOR_0"] =
+      made.accessor<std::uint8_t>("VEC4", 5121, 4, {255, 0, 51, 255, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  for (const std::size_t i : {1u, 2u}) made.document["accessors"][i]["normalized"] = true;
+  const PolygonSoup soup = read_text("a.gltf", made.text());
+  EXPECT_EQ(soup.corner_uvs[0], Vec2(0, 0)) << "v counts from the bottom";
+  EXPECT_EQ(soup.corner_uvs[1], Vec2(1, 1));
+  EXPECT_EQ(soup.corner_uvs[2], Vec2(0.2, 1));
+  EXPECT_EQ(soup.vertex_colors[0], Vec4(1, 0, 0.2, 1));
+}
+
+TEST(GltfReader, GivesFacesTheMaterialsOfTheirPrimitives) {
+  HandMade made = square_with({{"mode", 5}});
+  made.document["materials"] = {
+      {{"name", "plain"}},
+      {{"name", "oak"},
+       {"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.5, 0.25, 0.125, 0.5}}, {"baseColorTexture", {{"index", 0}}}}}}};
+  made.document["textures"] = {{{"source", 0}}};
+  made.document["images"] = {{{"uri", "oak%20planks.png"}}};
+  made.primitive({{"attributes", {{"POSITION", 0}}}, {"mode", 5}, {"material", 1}});
+  made.primitive({{"attributes", {{"POSITION", 0}}}, {"mode", 5}});
+  made.primitive({{"attributes", {{"POSITION", 0}}}, {"mode", 1}});
+  const PolygonSoup soup = read_text("a.gltf", made.text());
+  EXPECT_THAT(soup.face_materials, ElementsAre(k_no_index, k_no_index, 1, 1, k_no_index, k_no_index));
+  ASSERT_EQ(soup.materials.size(), 2u);
+  EXPECT_EQ(soup.materials[0], (Material{"plain", {1, 1, 1, 1}, ""}));
+  EXPECT_EQ(soup.materials[1], (Material{"oak", {0.5, 0.25, 0.125, 0.5}, "oak planks.png"}));
+}
+
+TEST(GltfReader, ReadsOnlyTheFinestOfSeveralLevels) {
+  HandMade made = square_with({{"mode", 5}});
+  made.document["nodes"][0]["extensions"]["MSFT_lod"]["ids"] = {1, 2};
+  made.node();
+  made.node();
+  made.document["scenes"][0]["nodes"] = {0, 1, 2};
+  EXPECT_EQ(read_text("a.gltf", made.text()).n_faces(), 2u);
+  made.document.erase("scenes");
+  EXPECT_EQ(read_text("a.gltf", made.text()).n_faces(), 2u);
+}
+
+TEST(GltfReader, VisitsEveryNodeOnceWhateverTheGraph) {
+  HandMade made = square_with({{"mode", 5}});
+  made.document["nodes"][0]["children"] = {0};
+  made.document["scenes"].push_back({{"nodes", {0}}});
+  EXPECT_EQ(read_text("a.gltf", made.text()).n_faces(), 2u);
+}
+
+TEST(GltfReader, ReadsBuffersBesideTheFile) {
+  const TempFolder folder;
+  const HandMade made = square_with({{"mode", 5}});
+  json document = made.document;
+  document["buffers"] = {{{"byteLength", made.buffer().size()}, {"uri", "my%20data.bin"}}};
+  folder.write("my data.bin", made.buffer());
+  EXPECT_EQ(read_soup(folder.write("a.gltf", document.dump())).n_faces(), 2u);
+}
+
+TEST(GltfReader, NamesThePlaceAndReasonOfEveryDefect) {
+  const auto complaint_after = [](json::json_pointer place, const json& value) {
+    HandMade made = square_with({{"mode", 5}});
+    made.document[place] = value;
+    return complaint("a.gltf", made.text());
+  };
+  using Place = json::json_pointer;
+  EXPECT_EQ(complaint("a.gltf", "{\n\"asset\": {\n,"), "a.gltf:3: the JSON isn't well-formed");
+  EXPECT_EQ(complaint("a.gltf", "[]"), "a.gltf: isn't a glTF file (no JSON object)");
+  EXPECT_EQ(complaint("a.gltf", "{\"asset\":{\"version\":1e999}}"),
+            "a.gltf: the JSON holds a number out of range");
+  EXPECT_EQ(complaint_after(Place("/asset/version"), "1.0"), "a.gltf: glTF version '1.0', not 2");
+  EXPECT_EQ(complaint_after(Place("/accessors/0/count"), 5),
+            "a.gltf: accessors[0] reads 5 elements past the end of its buffer view of 48 bytes");
+  EXPECT_EQ(
+      complaint_after(Place("/accessors/0/count"), 4e15),
+      "a.gltf: accessors[0] reads 4000000000000000 elements past the end of its buffer view of 48 bytes");
+  EXPECT_EQ(complaint_after(Place("/accessors/0/count"), -1),
+            "a.gltf: accessors[0].count isn't a whole number from 0");
+  EXPECT_EQ(complaint_after(Place("/accessors/0/componentType"), 5124),
+            "a.gltf: accessors[0] has an unknown type");
+  EXPECT_EQ(complaint_after(Place("/accessors/0/sparse"), json::object()),
+            "a.gltf: accessors[0] is sparse, which isn't supported");
+  EXPECT_EQ(complaint_after(Place("/bufferViews/0/byteLength"), 49),
+            "a.gltf: bufferViews[0] reads bytes 0 to 49 of a buffer of 48 bytes");
+  EXPECT_EQ(complaint_after(Place("/bufferViews/0/buffer"), 1),
+            "a.gltf: buffers has no element 1 (there are 1)");
+  EXPECT_EQ(complaint_after(Place("/bufferViews/0/extensions/EXT_meshopt_compression"), json::object()),
+            "a.gltf: accessors[0] needs the extension EXT_meshopt_compression, which isn't supported");
+  EXPECT_EQ(
+      complaint_after(Place("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression"), json::object()),
+      "a.gltf: meshes[0].primitives[0] needs the extension KHR_draco_mesh_compression, which isn't "
+      "supported");
+  EXPECT_EQ(complaint_after(Place("/extensionsRequired"), {"EXT_other"}),
+            "a.gltf: needs the extension 'EXT_other', which isn't supported");
+  EXPECT_EQ(complaint_after(Place("/meshes/0/primitives/0/mode"), 1), "a.gltf: holds no triangles");
+  EXPECT_EQ(complaint_after(Place("/meshes/0/primitives/0/material"), 0),
+            "a.gltf: meshes[0].primitives[0].material names material 0, which isn't there");
+  EXPECT_EQ(complaint_after(Place("/nodes/0/scale"), {1, 1}), "a.gltf: nodes[0].scale has the wrong length");
+  EXPECT_EQ(complaint_after(Place("/nodes/0/mesh"), "x"), "a.gltf: nodes[0].mesh isn't a number");
+  EXPECT_EQ(complaint_after(Place("/scenes/0/nodes"), {7}), "a.gltf: nodes has no element 7 (there are 1)");
+  HandMade made = square_with({});
+  made.document["meshes"][0]["primitives"][0]["indices"] = made.indices({0, 1, 4});
+  EXPECT_EQ(complaint("a.gltf", made.text()), "a.gltf: meshes[0].primitives[0] uses vertex 4 (there are 4)");
+  made = square_with({});
+  EXPECT_EQ(complaint("a.gltf", made.text()),
+            "a.gltf: meshes[0].primitives[0] has 4 indices, which make no triangles");
+}
+
+TEST(GltfReader, SurvivesDeepNesting) {
+  const std::string deep(300000, '[');
+  EXPECT_EQ(complaint("a.gltf", "{\"extras\":" + deep), "a.gltf:1: the JSON isn't well-formed");
+  HandMade made = square_with({{"mode", 5}});
+  std::string text = made.text();
+  text.insert(1, "\"extras\":" + deep + std::string(deep.size(), ']') + ",");
+  EXPECT_EQ(complaint("a.gltf", text), "");
+}
+
+TEST(GltfReader, SaysWithByteWhereAGlbIsDamaged) {
+  const TempFolder folder;
+  write_soup(folder / "a.glb", two_triangles());
+  const std::string whole = read_whole_file(folder / "a.glb");
+  EXPECT_THAT(complaint("a.glb", whole.substr(0, 15)),
+              HasSubstr("a.glb: byte 15: the file ends in its header"));
+  EXPECT_THAT(complaint("a.glb", whole.substr(0, whole.size() - 1)),
+              HasSubstr(fmt::format("a.glb: byte {}: the file ends before", whole.size() - 1)));
+  std::string damaged = whole;
+  damaged[25] = '\1';
+  EXPECT_THAT(complaint("a.glb", damaged), HasSubstr("a.glb: byte 2"));
+}
+
+TEST(GltfWriter, SplitsVerticesWhereTheirCornersDiffer) {
+  const TempFolder folder;
+  PolygonSoup soup = two_triangles();
+  EXPECT_THAT(write_soup(folder / "a.glb", soup).written_without, IsEmpty());
+  EXPECT_EQ(read_soup(folder / "a.glb").positions.size(), 4u);
+  soup.corner_uvs = {{0, 0}, {1, 0}, {1, 1}, {0.5, 0}, {1, 1}, {0, 1}};  // the corner at the origin differs
+  write_soup(folder / "a.glb", soup);
+  const PolygonSoup back = read_soup(folder / "a.glb");
+  EXPECT_EQ(back.positions.size(), 5u);
+  EXPECT_EQ(back.corner_uvs, soup.corner_uvs);
+}
+
+TEST(GltfWriter, GivesFaceNormalsToCornersWithoutNormal) {
+  const TempFolder folder;
+  PolygonSoup soup = two_triangles();
+  soup.corner_normals = {{0, 3, 0}, {0, 0, 0}, {0, 3, 0}, {0, 3, 0}, {0, 3, 0}, {0, 3, 0}};
+  write_soup(folder / "a.glb", soup);
+  EXPECT_THAT(
+      read_soup(folder / "a.glb").corner_normals,
+      ElementsAre(Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 1, 0), Vec3(0, 1, 0), Vec3(0, 1, 0), Vec3(0, 1, 0)));
+}
+
+TEST(GltfWriter, KeepsTheDetailOfModelsFarFromTheOrigin) {
+  const TempFolder folder;
+  PolygonSoup soup = two_triangles();
+  const Vec3 far(4e6, -5e6, 1e5);
+  for (Vec3& position : soup.positions) position = 0.1234567 * position + far;
+  write_soup(folder / "a.glb", soup);
+  const PolygonSoup back = read_soup(folder / "a.glb");
+  for (std::size_t i = 0; i < soup.n_corners(); ++i) {
+    EXPECT_LT((back.positions[back.corner_vertices[i]] - soup.positions[soup.corner_vertices[i]]).norm(),
+              1e-6);
+  }
+}
+
+TEST(GltfWriter, SaysWhatIsMissing) {
+  const TempFolder folder;
+  PolygonSoup soup;
+  soup.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0.1, 0}, {5, 5, 5}};
+  soup.add_face(std::vector<Index>{0, 1, 2, 3});
+  soup.materials = {{"wood", {1, 1, 1, 1}, "wood.png"}, {"unused", {1, 1, 1, 1}, ""}};
+  soup.face_materials = {0};
+  soup.feature_edges = {{0, 1}, {1, 2}};
+  EXPECT_THAT(
+      write_soup(folder / "a.gltf", soup).written_without,
+      ElementsAre("1 polygon with more than three corners (cut into triangles)", "1 vertex that no face uses",
+                  "2 feature edges", "textures (there are no texture coordinates)",
+                  "1 material that no face uses", "double precision (positions rounded to 32-bit floats)"));
+}
+
+TEST(GltfWriter, RefusesMeshesWithoutTriangles) {
+  const TempFolder folder;
+  PolygonSoup soup;
+  soup.positions = {{0, 0, 0}};
+  EXPECT_THROW(write_soup(folder / "a.glb", soup), InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
+}
+
+TEST(GltfRoundTrip, KeepsCornersAttributesAndMaterials) {
+  const TempFolder folder;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    const PolygonSoup soup = random_soup(seed, {.floats = true});
+    const char* name = seed % 2 == 0 ? "a.glb" : "a.gltf";
+    write_soup(folder / name, soup);
+    const PolygonSoup back = read_soup(folder / name);
+    // Primitives are sorted by material: compare what stands at each corner as a sorted list.
+    const auto corners = [](const PolygonSoup& s, const std::vector<Index>& faces,
+                            const std::vector<Index>& list) {
+      std::vector<std::array<float, 9>> result;
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        const Vec3 p = s.positions[s.corner_vertices[list[i]]], n = s.corner_normals[list[i]].normalized();
+        const Index m = s.face_materials[faces[i / 3]];
+        const double red = m == k_no_index ? -1.0 : s.materials[m].base_color[0];
+        result.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
+                          static_cast<float>(s.corner_uvs[list[i]].x()),
+                          static_cast<float>(1.0 - s.corner_uvs[list[i]].y()),
+                          std::round(static_cast<float>(n.x()) * 1e5f), static_cast<float>(red),
+                          static_cast<float>(s.vertex_colors[s.corner_vertices[list[i]]][0]), 0.0f});
+      }
+      std::sort(result.begin(), result.end());
+      return result;
+    };
+    std::vector<Index> faces, list, back_faces, back_list;
+    triangulate(soup, &faces, &list);
+    triangulate(back, &back_faces, &back_list);
+    EXPECT_EQ(corners(back, back_faces, back_list), corners(soup, faces, list));
+  }
+}
+
+TEST(GltfBuilder, SharesMaterialsAndTakesExtensionsOfNodes) {
+  const TempFolder folder;
+  PolygonSoup soup = two_triangles();
+  soup.materials = {{"wood", {1, 0.5, 0, 1}, ""}};
+  soup.face_materials = {0, 0};
+  GltfBuilder builder;
+  const auto fine = static_cast<std::size_t>(builder.add_node(builder.add_mesh(soup, "fine"), "fine"));
+  const int coarse = builder.add_node(builder.add_mesh(soup, "coarse"), "coarse");
+  builder.add_to_scene(static_cast<int>(fine));
+  json& document = builder.document();
+  document["nodes"][fine]["extensions"]["MSFT_lod"]["ids"] = {coarse};
+  document["nodes"][fine]["extras"]["MSFT_screencoverage"] = {0.5, 0.1};
+  document["extensionsUsed"] = {"MSFT_lod"};
+  EXPECT_EQ(document["materials"].size(), 1u);
+  EXPECT_EQ(document["meshes"].size(), 2u);
+  EXPECT_EQ(read_soup(folder.write("a.glb", builder.to_glb())).n_faces(), 2u) << "the finest level only";
+  EXPECT_EQ(read_soup(folder.write("a.gltf", builder.to_gltf())).n_faces(), 2u);
+}
+
+TEST(GltfWriter, PassesTheKhronosValidator) {
+  if (!std::filesystem::exists(std::filesystem::path(RECEDE_NODE_MODULES) / "gltf-validator")) {
+    GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";
+  }
+  const TempFolder folder;
+  std::vector<std::filesystem::path> files;
+  const auto write = [&](const PolygonSoup& soup, const char* extension) {
+    files.push_back(folder / fmt::format("{}{}", files.size(), extension));
+    write_soup(files.back(), soup);
+  };
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    write(random_soup(seed), ".glb");
+    write(random_soup(seed, {.attributes = false}), ".gltf");
+  }
+  PolygonSoup far = two_triangles();
+  for (Vec3& position : far.positions) position += Vec3(1e7, 0, 0);
+  write(far, ".glb");
+  PolygonSoup no_area = two_triangles();
+  no_area.corner_normals.assign(6, Vec3::Zero());
+  no_area.positions[2] = no_area.positions[1];
+  write(no_area, ".glb");
+  constexpr const char* k_pixel =
+      "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg==";
+  folder.write("oak planks.png", detail::decode_base64(k_pixel).value());
+  EXPECT_EQ(validate_gltf(files), 0);
+  std::string damaged = read_whole_file(files.front());
+  damaged.resize(damaged.size() - 4);
+  EXPECT_NE(validate_gltf({folder.write("damaged.glb", damaged)}), 0)
+      << "the validator complains when it should";
+}
+
+}  // namespace
+}  // namespace recede::test

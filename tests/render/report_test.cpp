@@ -1,0 +1,146 @@
+#include "markup_check.h"
+#include "shapes.h"
+#include <recede/geometry/atomic_file.h>
+#include <recede/geometry/error.h>
+#include <recede/render/report.h>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace recede {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// Spheres of fewer and fewer faces. The distance from a chord's middle to its arc is the error, to first
+// order.
+LodHierarchy sphere_levels(const std::string& name) {
+  LodHierarchy hierarchy{.name = name, .view = {}, .center = Vec3(10, 0, 0), .radius = 1, .levels = {}};
+  for (const Index around : {128u, 64u, 32u, 16u}) {
+    LodLevel level;
+    level.mesh = to_polygon_mesh(make_sphere(hierarchy.center, 1, around, around / 2));
+    if (around < 128) {
+      level.error.max = 1 - std::cos(std::numbers::pi / around);
+      level.error.rms = level.error.max / 2;
+      level.error.bound = 1.1 * level.error.max;
+      level.switch_distance = switch_distance(level.error.bound, hierarchy.view);
+      level.screen_coverage =
+          std::min(1.0, 2 / (1080 * pixel_footprint(level.switch_distance, hierarchy.view)));
+      level.simplify_seconds = 8.0 / around;
+      level.measure_seconds = 0.25;
+      level.stop_reason = "face target";
+    }
+    hierarchy.levels.push_back(std::move(level));
+  }
+  return hierarchy;
+}
+
+HierarchyFiles files_of(const LodHierarchy& hierarchy) {
+  HierarchyFiles files{
+      .glb = "out/ball.glb", .folder = "out/ball.recede", .level_files = {}, .level_bytes = {}};
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    files.level_files.push_back(files.folder / fmt::format("level_{}.ply", i));
+    files.level_bytes.push_back(100'000 >> i);
+  }
+  return files;
+}
+
+class Report : public testing::Test {
+ protected:
+  Report()
+      : folder_(std::filesystem::temp_directory_path() / fmt::format("recede_report_test_{}", getpid())) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Report() override { std::filesystem::remove_all(folder_); }
+  const std::filesystem::path folder_;
+};
+
+TEST_F(Report, HasARowAndASectionForEachLevelAndNoReferenceOutside) {
+  const LodHierarchy hierarchy = sphere_levels("ball <& co>");
+  const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
+  const std::string html = read_whole_file(written.html);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_THAT(html, HasSubstr(fmt::format("id=\"row-{}\"", i)));
+    EXPECT_THAT(html, HasSubstr(fmt::format("alt=\"Level {} from near\"", i)));
+    // The input has no switch distance to be seen from.
+    EXPECT_EQ(html.find(fmt::format("id=\"level-{}\"", i)) != std::string::npos, i > 0);
+  }
+  EXPECT_THAT(html, Not(HasSubstr("row-4")));
+  EXPECT_THAT(html, HasSubstr("<h1>ball &lt;&amp; co&gt;</h1>"));
+  EXPECT_EQ(find_markup_error(html, {"meta", "img", "br"}), "");
+  for (const char* reference :
+       {"src=\"http", "href=\"http", "url(", "@import", "<script", "<link", "src=\"//"}) {
+    EXPECT_THAT(html, Not(HasSubstr(reference)));
+  }
+}
+
+TEST_F(Report, JsonHasTheDocumentedFields) {
+  const LodHierarchy hierarchy = sphere_levels("ball");
+  const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy), {.up = Vec3::UnitZ()});
+  const auto json = nlohmann::json::parse(read_whole_file(written.json));
+  EXPECT_EQ(json["name"], "ball");
+  EXPECT_NEAR(json["diagonal"].get<double>(), std::sqrt(12.0), 0.01);
+  EXPECT_EQ(json["view"]["image_height"], 1080);
+  EXPECT_EQ(json["view"]["up"], nlohmann::json({0, 0, 1}));
+  ASSERT_EQ(json["levels"].size(), 4u);
+  EXPECT_TRUE(json["levels"][0]["image_difference"].is_null());
+  const auto& level = json["levels"][2];
+  EXPECT_EQ(level["level"], 2);
+  EXPECT_EQ(level["file"], "level_2.ply");
+  EXPECT_EQ(level["bytes"], 25'000);
+  EXPECT_EQ(level["faces"], 32 * 16);
+  EXPECT_EQ(level["triangles"], 64);
+  EXPECT_EQ(level["quads"], 32 * 14);
+  EXPECT_EQ(level["larger_polygons"], 0);
+  EXPECT_EQ(level["vertices"], 32 * 15 + 2);
+  EXPECT_EQ(level["error"]["bound"], hierarchy.levels[2].error.bound);
+  EXPECT_NEAR(level["error"]["rms_relative"].get<double>(), hierarchy.levels[2].error.rms / std::sqrt(12.0),
+              1e-5);
+  EXPECT_EQ(level["switch_distance"], hierarchy.levels[2].switch_distance);
+  EXPECT_EQ(level["seconds"]["simplify"], 0.25);
+  EXPECT_EQ(level["stop_reason"], "face target");
+  EXPECT_DOUBLE_EQ(level["image_difference"]["camera_distance"], hierarchy.levels[2].switch_distance + 1);
+}
+
+TEST_F(Report, AtItsSwitchDistanceALevelHardlyDiffersFromTheOriginal) {
+  const LodHierarchy hierarchy = sphere_levels("ball");
+  const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
+  const auto json = nlohmann::json::parse(read_whole_file(written.json));
+  for (std::size_t i = 1; i < 4; ++i) {
+    const auto& difference = json["levels"][i]["image_difference"];
+    EXPECT_GT(difference["rmse"].get<double>(), 0) << i;
+    // Half of black to white along a ring of one pixel, which is a 37th of the window's area for the coarsest
+    // level.
+    EXPECT_LT(difference["rmse"].get<double>(), std::sqrt(0.25 / 37)) << i;
+  }
+}
+
+TEST_F(Report, AnIdenticalLevelShowsNoDifference) {
+  LodHierarchy hierarchy = sphere_levels("ball");
+  hierarchy.levels[1].mesh = hierarchy.levels[0].mesh;
+  hierarchy.levels[1].switch_distance = 0;  // seen from the bounding sphere itself, larger than the image
+  const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
+  const auto json = nlohmann::json::parse(read_whole_file(written.json));
+  EXPECT_EQ(json["levels"][1]["image_difference"]["rmse"], 0);
+  EXPECT_EQ(json["levels"][1]["image_difference"]["max"], 0);
+}
+
+TEST_F(Report, AHierarchyOfTheInputAloneHasAReport) {
+  LodHierarchy hierarchy = sphere_levels("ball");
+  hierarchy.levels.resize(1);
+  const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
+  EXPECT_THAT(read_whole_file(written.html), HasSubstr("alt=\"Level 0 from near\""));
+}
+
+TEST_F(Report, FilesThatDoNotFitTheLevelsAreRefusedAndNothingIsWritten) {
+  const LodHierarchy hierarchy = sphere_levels("ball");
+  EXPECT_THROW(write_report(folder_, hierarchy, {}), OptionError);
+  EXPECT_THROW(write_report(folder_, hierarchy, files_of(hierarchy), {.up = Vec3::Zero()}), OptionError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+}  // namespace
+}  // namespace recede
