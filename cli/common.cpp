@@ -51,9 +51,12 @@ void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& f
                      "keep edges whose faces meet at more than this angle, degrees; 0: none")
       ->check(CLI::Range(0.0, 180.0))->group(group);
   command.add_flag("--lock-borders", options.lock_borders, "leave border vertices where they are")->group(group);
-  command.add_flag("--ignore-uv-seams{false}", options.keep_uv_seams, "let texture seams move freely")->group(group);
-  command.add_flag("--ignore-normal-seams{false}", options.keep_normal_seams, "let normal seams move freely")->group(group);
-  command.add_flag("--ignore-polygons{false}", options.keep_polygons, "don't prefer collapses that keep quads and larger polygons")->group(group);
+  const auto add_switch_off = [&](const char* name, bool& option, const char* help) {
+    command.add_flag_callback(name, [&option] { option = false; }, help)->group(group);
+  };
+  add_switch_off("--ignore-uv-seams", options.keep_uv_seams, "let texture seams move freely");
+  add_switch_off("--ignore-normal-seams", options.keep_normal_seams, "let normal seams move freely");
+  add_switch_off("--ignore-polygons", options.keep_polygons, "don't prefer collapses that keep quads and larger polygons");
 }
 
 void mark_features(PolygonMesh& mesh, double feature_angle) {

@@ -115,8 +115,8 @@ OneSidedDistance sampled_distance(const Surface& from, const Surface& to, std::s
 /// The distance to one triangle is convex, so over a piece of the source surface it is largest at the piece's corners;
 /// the distance to the surface is at most that for any triangle of it. It is also at most the distance of the centroid plus
 /// the piece's radius. A piece whose smallest such bound doesn't meet the goal is cut: along the prism over
-/// the nearest triangle when it sticks out of it (beyond that cut another triangle is nearer, so flat and nearly flat regions
-/// are done after one piece for each pair of overlapping triangles), else into four.
+/// the triangle nearest to its centroid when it sticks out of that (beyond the cut another triangle is nearer, so
+/// flat regions are done after one piece for each pair of overlapping triangles), else into four.
 class BoundSearch {
  public:
   struct Interval {
@@ -174,33 +174,36 @@ class BoundSearch {
     return std::sqrt(largest);
   }
 
-  /// Cuts by the plane through a side of `target`, upright on it, that leaves the piece's centroid inside and of which a
-  /// corner of the piece is farthest outside. False when there is none.
+  /// Cuts by the plane through a side of `target`, upright on it, beyond which a corner of the piece lies farthest.
+  /// False when no side cuts the piece, or when the piece is so much larger than `target` that halving its sides is better.
   bool cut_along_prism(const Piece& piece, const Triangle& target, Index hint) {
-    const std::array<Vec3, 3> side_points{target.a, target.b, target.c};
+    const std::array<Vec3, 3> ends{target.a, target.b, target.c};
     const Vec3 normal = (target.b - target.a).cross(target.c - target.a);
     const std::array<Vec3, 3> corners{piece.corners.a, piece.corners.b, piece.corners.c};
-    const Vec3 centroid = (corners[0] + corners[1] + corners[2]) / 3;
+    constexpr double k_much_larger = 4;
+    if (longest_side(piece.corners) > k_much_larger * longest_side(target)) return false;
     double farthest = 0;
     std::array<double, 3> heights{};
     for (std::size_t s = 0; s < 3; ++s) {
-      const Vec3 outward = (side_points[(s + 1) % 3] - side_points[s]).cross(normal);
+      const Vec3 outward = (ends[(s + 1) % 3] - ends[s]).cross(normal);
       const double length = outward.norm();
       if (!(length > 0)) return false;
-      if ((centroid - side_points[s]).dot(outward) >= 0) return false;  // nearest to a side: no prism to cut with
       std::array<double, 3> h{};
-      for (std::size_t i = 0; i < 3; ++i) h[i] = (corners[i] - side_points[s]).dot(outward) / length;
-      const double most = std::max({h[0], h[1], h[2]});
-      if (most <= farthest) continue;
+      for (std::size_t i = 0; i < 3; ++i) h[i] = (corners[i] - ends[s]).dot(outward) / length;
+      const auto [least, most] = std::minmax({h[0], h[1], h[2]});
+      // A part thinner than the floor changes no bound that matters.
+      const double thin = 0.1 * floor_;
+      if (least >= -thin || most <= thin || most <= farthest) continue;
       farthest = most;
       heights = h;
     }
-    // A sliver beyond the plane that is thinner than the rounding of the cut would be cut for ever.
-    const double size = (corners[0] - centroid).norm() + (corners[1] - centroid).norm();
-    constexpr double k_thin = 1e-6;
-    if (farthest <= k_thin * size) return false;
+    if (!(farthest > 0)) return false;
     push_halves(corners, heights, hint);
     return true;
+  }
+
+  static double longest_side(const Triangle& t) {
+    return std::sqrt(std::max({(t.a - t.b).squaredNorm(), (t.b - t.c).squaredNorm(), (t.c - t.a).squaredNorm()}));
   }
 
   /// The parts of a triangle below and above height 0, as triangles.

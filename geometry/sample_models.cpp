@@ -18,6 +18,8 @@ bool lexicographically_less(const Vec3& a, const Vec3& b) {
 /// Point of a cubic Bezier curve at i/n. Evaluated from the lower end on, so that a curve and its reverse give the
 /// same bits.
 Vec3 evaluate(Curve c, std::size_t i, std::size_t n) {
+  // A side that has shrunk to a point is that point, to the bit.
+  if (c[0] == c[1] && c[0] == c[2] && c[0] == c[3]) return c[0];
   if (lexicographically_less(c[3], c[0])) {
     std::reverse(c.begin(), c.end());
     i = n - i;

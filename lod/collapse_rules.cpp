@@ -141,9 +141,12 @@ bool CollapseRules::closes_crease(const Collapse& collapse) const {
 }
 
 bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& collapse) {
-  // After the collapse, twins at the new point have the same two neighbours; those of different rings can only share third
-  // corners, so most faces are out at once.
+  // After the collapse, twins at the new point have the same two neighbours. Faces of different rings share none but third
+  // corners, so on triangle meshes most are out at once; a larger polygon that is shortened brings neighbours of
+  // both ends together.
   shapes_.clear();
+  const bool shortens = std::any_of(rings.removed.begin(), rings.removed.end(),
+                                    [](const RingCorner& c) { return c.on_edge && c.size > 3; });
   const auto add = [&](const RingCorner& c, bool from_removed) {
     if (c.on_edge && c.size == 3) return;
     if (c.on_edge) {
@@ -152,7 +155,7 @@ bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& coll
       const Index at_kept = kept_is_before ? table_.previous(c.corner) : table_.next[c.corner];
       const Index beyond = table_.point[kept_is_before ? table_.previous(at_kept) : table_.next[at_kept]];
       shapes_.push_back({beyond, kept_is_before ? c.after : c.before, c.size - 1, c.face});
-    } else if (third_[c.before] == epoch_ && third_[c.after] == epoch_) {
+    } else if (shortens || (third_[c.before] == epoch_ && third_[c.after] == epoch_)) {
       shapes_.push_back({c.before, c.after, c.size, c.face});
     }
   };

@@ -163,6 +163,8 @@ Vec3 QuadricSimplifier::best_position(const Quadric& sum, Index first, Index sec
   a.diagonal().array() += pull;
   const Eigen::LDLT<Eigen::Matrix3d> solver(a);
   Vec3 x = solver.solve(-sum.b);
+  // One step of refinement takes the pull out of the directions that the planes do determine.
+  x -= solver.solve(sum.times(x) + sum.b);
   const bool closed = table_.classes[first] == PointClass::smooth && table_.classes[second] == PointClass::smooth;
   if (closed) {
     const VolumeConstraint volume = volume_constraint(first, second, center);
