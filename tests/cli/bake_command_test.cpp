@@ -1,0 +1,190 @@
+// `recede bake`: the levels, the files, and what the GLB says of them.
+#include "run_recede.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace recede::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Bakes a small sphere into `out` below the folder.
+json bake_sphere(const TempFolder& folder, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"bake", write_sphere(folder, 2000), "-o", folder / "out", "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Run run = run_recede(arguments);
+  EXPECT_EQ(run.remarks, "") << "no progress bar off a terminal, and nothing to remark";
+  return json_of(run);
+}
+
+/// Distance at which `error` covers one pixel: d = error r / (2 tan(alpha / 2)).
+double expected_switch_distance(double error, double image_height, double degrees, double pixels) {
+  return pixels > 0 ? error * image_height / (2 * pixels * std::tan(degrees * std::numbers::pi / 360)) : 0;
+}
+
+void expect_levels_in_order(const json& levels) {
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    EXPECT_LT(levels[i].at("faces"), levels[i - 1].at("faces")) << i;
+    EXPECT_GE(levels[i].at("switch_distance"), levels[i - 1].at("switch_distance")) << i;
+    EXPECT_LE(levels[i].at("screen_coverage"), levels[i - 1].at("screen_coverage")) << i;
+    EXPECT_GE(levels[i].at("error").at("bound"), levels[i].at("error").at("max")) << i;
+    EXPECT_GE(levels[i].at("error").at("max"), levels[i].at("error").at("rms")) << i;
+  }
+}
+
+TEST(BakeCommand, MakesTheLevelsOfTheRatiosAndEveryDocumentedField) {
+  const TempFolder folder;
+  const json result = bake_sphere(folder, {"--ratios", "0.5", "0.2", "0.05", "--no-report"});
+  EXPECT_EQ(result.at("command"), "bake");
+  EXPECT_EQ(result.at("hierarchy"), (folder / "out/sphere.glb").string());
+  EXPECT_EQ(result.at("folder"), (folder / "out/sphere.recede").string());
+  EXPECT_TRUE(result.at("report").is_null());
+  EXPECT_GT(result.at("seconds"), 0);
+  EXPECT_TRUE(result.at("repairs").is_array());
+  const json& levels = result.at("levels");
+  ASSERT_EQ(levels.size(), 4u);
+  const double faces = levels[0].at("faces"), diagonal = result.at("diagonal");
+  EXPECT_EQ(levels[0].at("error").at("bound"), 0);
+  EXPECT_EQ(levels[0].at("switch_distance"), 0);
+  EXPECT_EQ(levels[0].at("reason"), "");
+  const std::vector<double> ratios{1, 0.5, 0.2, 0.05};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(levels[i].at("level"), i);
+    EXPECT_LE(levels[i].at("faces").get<double>(), ratios[i] * faces);
+    EXPECT_EQ(levels[i].at("bytes"), std::filesystem::file_size(levels[i].at("file").get<std::string>()));
+    EXPECT_DOUBLE_EQ(levels[i].at("error").at("bound_relative").get<double>(),
+                     levels[i].at("error").at("bound").get<double>() / diagonal);
+    EXPECT_GE(levels[i].at("seconds").at("simplify"), 0);
+    EXPECT_GE(levels[i].at("seconds").at("measure"), 0);
+  }
+  expect_levels_in_order(levels);
+}
+
+TEST(BakeCommand, KeepsTheCertifiedBoundsThatErrorsAskFor) {
+  const TempFolder folder;
+  const json levels = bake_sphere(folder, {"--errors", "0.02", "0.08", "--no-report"}).at("levels");
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_LE(levels[1].at("error").at("bound"), 0.02);
+  EXPECT_LE(levels[2].at("error").at("bound"), 0.08);
+  EXPECT_GT(levels[2].at("error").at("bound"), 0.02) << "uses what it is allowed";
+  expect_levels_in_order(levels);
+}
+
+TEST(BakeCommand, TakesErrorsAsSharesOfTheDiagonal) {
+  const TempFolder folder;
+  const json levels = bake_sphere(folder, {"--relative-errors", "0.005", "0.02", "--no-report"}).at("levels");
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_LE(levels[1].at("error").at("bound_relative"), 0.005);
+  EXPECT_LE(levels[2].at("error").at("bound_relative"), 0.02);
+  expect_levels_in_order(levels);
+}
+
+TEST(BakeCommand, MakesLevelsThatServeAtTheDistancesAskedFor) {
+  const TempFolder folder;
+  const json levels = bake_sphere(folder, {"--distances", "20", "80", "--image-height", "720",
+                                           "--field-of-view", "60", "--pixel-error", "0.5", "--no-report"})
+                          .at("levels");
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_LE(levels[1].at("switch_distance"), 20);
+  EXPECT_LE(levels[2].at("switch_distance"), 80);
+  for (const json& level : levels) {
+    EXPECT_NEAR(level.at("switch_distance"),
+                expected_switch_distance(level.at("error").at("bound"), 720, 60, 0.5), 1e-9);
+  }
+  expect_levels_in_order(levels);
+}
+
+TEST(BakeCommand, WritesTheHierarchyAndTheReportAndNothingElse) {
+  const TempFolder folder;
+  const json result = bake_sphere(folder, {"--ratios", "0.3", "0.1"});
+  EXPECT_THAT(
+      names_below(folder / "out"),
+      ElementsAre("report.html", "report.json", "sphere.glb", "sphere.recede", "sphere.recede/hierarchy.json",
+                  "sphere.recede/level_0.ply", "sphere.recede/level_1.ply", "sphere.recede/level_2.ply"));
+  EXPECT_EQ(result.at("report"), (folder / "out/report.html").string());
+  const json hierarchy = json::parse(read_whole_file(folder / "out/sphere.recede/hierarchy.json"));
+  EXPECT_EQ(hierarchy.at("format"), "recede hierarchy");
+  const json report = json::parse(read_whole_file(folder / "out/report.json"));
+  ASSERT_EQ(report.at("levels").size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const json& printed = result.at("levels")[i];
+    EXPECT_EQ(report.at("levels")[i].at("faces"), printed.at("faces"));
+    EXPECT_EQ(report.at("levels")[i].at("error"), printed.at("error"));
+    EXPECT_EQ(hierarchy.at("levels")[i].at("switch_distance"), printed.at("switch_distance"));
+    EXPECT_EQ(json_of(run_recede({"info", printed.at("file"), "--json"})).at("faces"), printed.at("faces"));
+  }
+  const std::string html = read_whole_file(folder / "out/report.html");
+  EXPECT_THAT(html, HasSubstr("</html>"));
+  EXPECT_EQ(html.find("http://"), html.npos) << "one file that needs no network";
+}
+
+TEST(BakeCommand, ReplacesAnEarlierHierarchyAsAWhole) {
+  const TempFolder folder;
+  bake_sphere(folder, {"--ratios", "0.5", "0.3", "0.1", "--no-report"});
+  bake_sphere(folder, {"--ratios", "0.5", "--no-report"});
+  EXPECT_THAT(names_below(folder / "out"),
+              ElementsAre("sphere.glb", "sphere.recede", "sphere.recede/hierarchy.json",
+                          "sphere.recede/level_0.ply", "sphere.recede/level_1.ply"));
+}
+
+TEST(BakeCommand, NamesTheLevelsInTheFirstNodeOfTheGlb) {
+  const TempFolder folder;
+  const json levels = bake_sphere(folder, {"--ratios", "0.5", "0.2", "0.05", "--no-report"}).at("levels");
+  const json glb = json_of_glb(folder / "out/sphere.glb");
+  EXPECT_THAT(glb.at("extensionsUsed"), ElementsAre("MSFT_lod"));
+  EXPECT_THAT(glb.at("scenes")[0].at("nodes"), ElementsAre(0)) << "the other levels hang on the first";
+  EXPECT_THAT(glb.at("nodes")[0].at("extensions").at("MSFT_lod").at("ids"), ElementsAre(1, 2, 3));
+  const std::vector<double> coverage = glb.at("nodes")[0].at("extras").at("MSFT_screencoverage");
+  ASSERT_EQ(coverage.size(), levels.size());
+  EXPECT_TRUE(std::is_sorted(coverage.rbegin(), coverage.rend(), std::less_equal<>()))
+      << "each below the one before";
+  EXPECT_EQ(coverage.back(), 0) << "the coarsest level is never hidden";
+  for (std::size_t i = 1; i < levels.size(); ++i) {
+    EXPECT_DOUBLE_EQ(coverage[i - 1], levels[i].at("screen_coverage").get<double>())
+        << "level i serves below";
+  }
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    const json& primitive =
+        glb.at("meshes")[glb.at("nodes")[i].at("mesh").get<std::size_t>()].at("primitives")[0];
+    EXPECT_EQ(glb.at("accessors")[primitive.at("indices").get<std::size_t>()].at("count").get<std::size_t>(),
+              3 * levels[i].at("faces").get<std::size_t>());
+  }
+}
+
+TEST(BakeCommand, WritesAGlbThatPassesTheKhronosValidator) {
+  if (!has_gltf_validator()) GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";
+  const TempFolder folder;
+  bake_sphere(folder, {"--ratios", "0.5", "0.1", "--no-report"});
+  EXPECT_TRUE(is_valid_gltf(folder / "out/sphere.glb"));
+}
+
+TEST(BakeCommand, WritesTheSameLevelsForAnyNumberOfThreads) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 20000);
+  for (const std::string threads : {"1", "2"}) {
+    const std::string out = folder / threads;
+    ASSERT_EQ(run_recede(
+                  {"bake", sphere, "-o", out, "--ratios", "0.3", "0.05", "--no-report", "--threads", threads})
+                  .code,
+              0);
+  }
+  for (const std::string file : {"sphere.glb", "sphere.recede/level_0.ply", "sphere.recede/level_1.ply",
+                                 "sphere.recede/level_2.ply"}) {
+    EXPECT_TRUE(read_whole_file(folder / ("1/" + file)) == read_whole_file(folder / ("2/" + file))) << file;
+  }
+}
+
+TEST(BakeCommand, SaysWhyALevelStoppedShortOfItsRatio) {
+  const TempFolder folder;
+  const json levels = bake_sphere(folder, {"--ratios", "0.5", "0.0001", "--no-report"}).at("levels");
+  EXPECT_EQ(levels[1].at("reason"), "face target reached");
+  EXPECT_EQ(levels[2].at("reason"), "no permitted collapse left");
+}
+
+}  // namespace
+}  // namespace recede::test

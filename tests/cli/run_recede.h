@@ -1,0 +1,49 @@
+// The command `recede` as a user runs it: arguments in; output, remarks and exit code back.
+#pragma once
+
+#include "temp_folder.h"
+#include <recede/geometry/polygon_soup.h>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace recede::test {
+
+struct Run {
+  int code = -1;                ///< exit code; 128 + signal when a signal ended the process
+  std::string output, remarks;  ///< standard output and standard error
+};
+
+/// Runs `recede` with both streams going into files.
+Run run_recede(const std::vector<std::string>& arguments);
+
+/// Runs `recede` with both streams on a terminal (so `remarks` stays empty) and sends SIGINT as soon as
+/// `awaited` has appeared there; never when that is empty.
+Run run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited);
+
+/// Expects success and returns the one JSON document on standard output; null when there is none.
+nlohmann::json json_of(const Run& run);
+
+/// Expects the exit code and exactly one line on standard error, `recede: ...`. Returns that line.
+std::string complaint_of(const Run& run, int code);
+
+/// Names of everything below a folder, relative to it, sorted; empty when there is no such folder.
+std::vector<std::string> names_below(const std::filesystem::path& folder);
+
+/// Runs Khronos' validator. True when it finds no error; prints what it finds.
+bool is_valid_gltf(const std::filesystem::path& file);
+/// Whether `./dev test` has fetched the validator.
+bool has_gltf_validator();
+
+/// The JSON chunk of a GLB file.
+nlohmann::json json_of_glb(const std::filesystem::path& file);
+
+/// A closed surface with detail, as `sphere.ply` in `folder`. Returns its path.
+std::string write_sphere(const TempFolder& folder, std::size_t faces, bool triangles = true);
+
+}  // namespace recede::test

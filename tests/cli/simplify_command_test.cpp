@@ -1,0 +1,227 @@
+// `recede simplify`, and `recede info` and `recede compare` on what it wrote.
+#include "run_recede.h"
+#include <recede/geometry/mesh_io.h>
+#include <recede/geometry/sample_models.h>
+
+namespace recede::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+json simplify_sphere(const TempFolder& folder, const std::string& out, std::vector<std::string> more) {
+  std::vector<std::string> arguments{"simplify", write_sphere(folder, 2000), "-o", folder / out, "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return json_of(run_recede(arguments));
+}
+
+void expect_error_fields(const json& error, double diagonal) {
+  EXPECT_GT(error.at("rms").get<double>(), 0);
+  EXPECT_GE(error.at("max").get<double>(), error.at("rms").get<double>());
+  EXPECT_GE(error.at("bound").get<double>(), error.at("max").get<double>());
+  for (const std::string name : {"max", "rms", "bound"}) {
+    EXPECT_DOUBLE_EQ(error.at(name + "_relative").get<double>(), error.at(name).get<double>() / diagonal);
+  }
+}
+
+TEST(SimplifyCommand, ReportsEveryDocumentedField) {
+  const TempFolder folder;
+  const json result = simplify_sphere(folder, "small.ply", {"--ratio", "0.25"});
+  EXPECT_EQ(result.at("command"), "simplify");
+  EXPECT_EQ(result.at("input"), (folder / "sphere.ply").string());
+  EXPECT_EQ(result.at("output"), (folder / "small.ply").string());
+  const std::size_t before = result.at("faces_before"), after = result.at("faces");
+  EXPECT_GE(before, 2000u);
+  EXPECT_LE(after, before / 4);
+  EXPECT_GT(after, before / 5);
+  EXPECT_EQ(result.at("vertices_before"), before / 2 + 2) << "a closed surface of triangles";
+  EXPECT_EQ(result.at("vertices"), after / 2 + 2);
+  EXPECT_GT(result.at("collapses"), 0);
+  EXPECT_GT(result.at("passes"), 0);
+  EXPECT_EQ(result.at("reason"), "face target reached");
+  for (const char* reason : {"border", "topology", "duplicate", "flip", "degenerate", "deviation", "error"}) {
+    EXPECT_TRUE(result.at("refused").at(reason).is_number_unsigned()) << reason;
+  }
+  EXPECT_GT(result.at("error_estimate"), 0);
+  expect_error_fields(result.at("error"), result.at("diagonal"));
+  EXPECT_EQ(result.at("bytes"), std::filesystem::file_size(folder / "small.ply"));
+  EXPECT_THAT(result.at("written_without"), IsEmpty());
+  EXPECT_GE(result.at("seconds"), 0);
+  EXPECT_TRUE(result.at("repairs").is_array());
+  for (const json& step : result.at("repairs")) {
+    EXPECT_TRUE(step.at("step").is_string() && step.at("changed").is_number() &&
+                step.at("detail").is_string());
+  }
+}
+
+TEST(SimplifyCommand, AgreesWithCompareOnTheErrorItReports) {
+  const TempFolder folder;
+  const json result = simplify_sphere(folder, "small.ply", {"--ratio", "0.25"});
+  const json compared = json_of(run_recede(
+      {"compare", folder / "sphere.ply", folder / "small.ply", "--bound-tolerance", "0.05", "--json"}));
+  for (const char* name : {"max", "rms", "bound"}) {
+    EXPECT_NEAR(compared.at("error").at(name), result.at("error").at(name), 1e-12) << name;
+  }
+}
+
+TEST(SimplifyCommand, LeavesTheErrorOutWhenToldNotToMeasure) {
+  const TempFolder folder;
+  const json result = simplify_sphere(folder, "small.ply", {"--ratio", "0.25", "--no-measure"});
+  EXPECT_TRUE(result.at("error").is_null());
+  EXPECT_GT(result.at("error_estimate"), 0);
+}
+
+class EveryFormat : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(SimplifyCommand, EveryFormat,
+                         testing::Values("obj", "ply", "stl", "off", "glb", "gltf"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_P(EveryFormat, IsWrittenAndReadBack) {
+  const TempFolder folder;
+  const std::string name = std::string("small.") + GetParam();
+  const json written = simplify_sphere(folder, name, {"--faces", "300"});
+  const json read = json_of(run_recede({"info", folder / name, "--json"}));
+  EXPECT_EQ(read.at("command"), "info");
+  EXPECT_EQ(read.at("faces"), written.at("faces"));
+  EXPECT_EQ(read.at("triangles"), written.at("faces"));
+  EXPECT_EQ(read.at("vertices"), written.at("vertices"));
+  EXPECT_EQ(read.at("components"), 1);
+  EXPECT_EQ(read.at("border_edges"), 0);
+  EXPECT_NEAR(read.at("diagonal"), written.at("diagonal"), 0.2);
+  EXPECT_THAT(names_below(folder / ""), ElementsAre(name, "sphere.ply"));
+}
+
+TEST(SimplifyCommand, SaysWhatTheFormatCannotHold) {
+  const TempFolder folder;
+  write_soup(folder / "teapot.ply", make_teapot(4));
+  const Run run =
+      run_recede({"simplify", folder / "teapot.ply", "-o", folder / "small.stl", "--ratio", "0.5", "--json"});
+  EXPECT_THAT(json_of(run).at("written_without"), Not(IsEmpty()));
+  EXPECT_THAT(run.remarks, HasSubstr("small.stl: written without "));
+}
+
+TEST(SimplifyCommand, KeepsQuadsAsQuads) {
+  const TempFolder folder;
+  json_of(run_recede({"simplify", write_sphere(folder, 2000, false), "-o", folder / "small.ply", "--ratio",
+                      "0.25", "--json"}));
+  const json read = json_of(run_recede({"info", folder / "small.ply", "--json"}));
+  EXPECT_GT(read.at("quads").get<double>(), 0.5 * read.at("faces").get<double>());
+}
+
+TEST(SimplifyCommand, PrintsNothingButResultsWhenQuiet) {
+  const TempFolder folder;
+  write_soup(folder / "teapot.ply", make_teapot(4));  // has borders that meet: reading it causes remarks
+  const std::vector<std::string> arguments{
+      "simplify", folder / "teapot.ply", "-o", folder / "small.stl", "--faces", "1"};
+  EXPECT_THAT(run_recede(arguments).remarks, Not(IsEmpty()));
+  for (const char* quiet : {"--quiet", "-q"}) {
+    std::vector<std::string> with_quiet = arguments;
+    with_quiet.emplace_back(quiet);
+    const Run run = run_recede(with_quiet);
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.remarks, "");
+    EXPECT_THAT(run.output, HasSubstr("faces"));
+  }
+}
+
+TEST(SimplifyCommand, GivesTheBestMeshAndTheReasonWhenTheTargetIsOutOfReach) {
+  const TempFolder folder;
+  const Run run = run_recede(
+      {"simplify", write_sphere(folder, 500), "-o", folder / "small.ply", "--faces", "1", "--json"});
+  const json result = json_of(run);
+  EXPECT_EQ(result.at("reason"), "no permitted collapse left");
+  EXPECT_GE(result.at("faces"), 4) << "no closed surface has fewer";
+  EXPECT_THAT(run.remarks, HasSubstr("recede: the target was not reached: no permitted collapse left"));
+  EXPECT_EQ(json_of(run_recede({"info", folder / "small.ply", "--json"})).at("faces"), result.at("faces"));
+}
+
+TEST(SimplifyCommand, StopsAtAnErrorWithoutCallingItAMiss) {
+  const TempFolder folder;
+  const Run run = run_recede({"simplify", write_sphere(folder, 2000), "-o", folder / "small.ply",
+                              "--max-relative-error", "0.001", "--json"});
+  const json result = json_of(run);
+  EXPECT_EQ(result.at("reason"), "error target reached");
+  EXPECT_LE(result.at("error_estimate").get<double>(), 0.001 * result.at("diagonal").get<double>());
+  EXPECT_EQ(run.remarks, "");
+}
+
+TEST(SimplifyCommand, WritesTheSameBytesForAnyNumberOfThreads) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 20000);
+  for (const char* cost : {"quadric", "normal_deviation"}) {
+    for (const std::string extension : {".ply", ".glb"}) {
+      const auto bytes = [&](const std::string& threads) {
+        const std::string out = folder / (threads + extension);
+        EXPECT_EQ(run_recede({"simplify", sphere, "-o", out, "--ratio", "0.2", "--cost", cost, "--no-measure",
+                              "--threads", threads})
+                      .code,
+                  0);
+        return read_whole_file(out);
+      };
+      EXPECT_TRUE(bytes("1") == bytes("2")) << cost << extension;
+    }
+  }
+}
+
+TEST(CompareCommand, ReportsEveryDocumentedField) {
+  const TempFolder folder;
+  simplify_sphere(folder, "small.ply", {"--ratio", "0.25", "--no-measure"});
+  const json result = json_of(run_recede({"compare", folder / "sphere.ply", folder / "small.ply", "--samples",
+                                          "5000", "--bound-tolerance", "0.02", "--json"}));
+  EXPECT_EQ(result.at("command"), "compare");
+  EXPECT_EQ(result.at("first").at("input"), (folder / "sphere.ply").string());
+  EXPECT_GT(result.at("first").at("faces"), result.at("second").at("faces"));
+  expect_error_fields(result.at("error"), result.at("diagonal"));
+  const double bound = result.at("error").at("bound"), lower = result.at("max_lower");
+  EXPECT_LE(bound - lower, 0.02 * bound * (1 + 1e-12));
+  for (const char* side : {"forward", "backward"}) {
+    EXPECT_GE(result.at(side).at("max"), result.at(side).at("rms"));
+    EXPECT_GE(result.at(side).at("rms"), result.at(side).at("mean"));
+    EXPECT_EQ(result.at(side).at("at").size(), 3u);
+  }
+  EXPECT_GE(result.at("samples"), 10000);
+  EXPECT_GT(result.at("samples_per_unit_area"), 0);
+  EXPECT_GE(result.at("seconds"), 0);
+}
+
+TEST(CompareCommand, CertifiesNothingWhenToldSo) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500);
+  const json error = json_of(run_recede({"compare", sphere, sphere, "--no-bound", "--json"})).at("error");
+  EXPECT_TRUE(error.at("bound").is_null());
+  EXPECT_TRUE(error.at("bound_relative").is_null());
+  EXPECT_LT(error.at("max"), 1e-12);
+}
+
+TEST(InfoCommand, CountsTheFacesOfATeapotOfQuads) {
+  const Run run = run_recede({"info", "teapot", "--json"});
+  const json result = json_of(run);
+  EXPECT_EQ(result.at("faces"), 51200);
+  EXPECT_EQ(result.at("triangles").get<int>() + result.at("quads").get<int>(), 51200);
+  EXPECT_EQ(result.at("larger_polygons"), 0);
+  EXPECT_GT(result.at("border_loops"), 0);
+  EXPECT_GT(result.at("area"), 0);
+  EXPECT_LT(result.at("box").at("min").at(2), result.at("box").at("max").at(2));
+  for (const char* name : {"edges", "border_edges", "split_vertices"})
+    EXPECT_TRUE(result.at(name).is_number()) << name;
+  for (const char* name : {"corner_uvs", "corner_normals", "vertex_colors"})
+    EXPECT_EQ(result.at(name), false) << name;
+  EXPECT_THAT(result.at("materials"), IsEmpty());
+}
+
+TEST(InfoCommand, SaysWhatReadingRepaired) {
+  const TempFolder folder;
+  const std::string file =
+      folder.write("fan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const Run run = run_recede({"info", file, "--json"});
+  const json result = json_of(run);
+  EXPECT_THAT(run.remarks, HasSubstr("recede: merge_identical_vertices: "));
+  EXPECT_EQ(result.at("repairs").at(0).at("step"), "merge_identical_vertices");
+  EXPECT_EQ(result.at("repairs").at(0).at("changed"), 1);
+}
+
+}  // namespace
+}  // namespace recede::test

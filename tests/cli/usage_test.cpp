@@ -1,0 +1,97 @@
+// Help, and what `recede` says to arguments that it doesn't understand.
+#include "run_recede.h"
+
+namespace recede::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class EveryCommand : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand, testing::Values("bake", "simplify", "compare", "info"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
+  const std::string command = GetParam();
+  const Run run = run_recede({command, "--help"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_EQ(run.remarks, "");
+  EXPECT_THAT(run.output, AllOf(HasSubstr("Example:"), HasSubstr("recede " + command + " "),
+                                HasSubstr("--json"), HasSubstr("--threads"), HasSubstr("--quiet")));
+}
+
+TEST_P(EveryCommand, RefusesAnUnknownOptionByName) {
+  EXPECT_THAT(complaint_of(run_recede({GetParam(), "--frobnicate"}), 2), Not(HasSubstr("Run with")));
+  EXPECT_THAT(complaint_of(run_recede({"info", "teapot", "--frobnicate"}), 2), HasSubstr("--frobnicate"));
+}
+
+TEST_P(EveryCommand, AsksForItsArguments) {
+  EXPECT_THAT(complaint_of(run_recede({GetParam()}), 2), HasSubstr("required"));
+}
+
+TEST(Usage, OfTheWholeCommandNamesTheFourCommands) {
+  const Run run = run_recede({"--help"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("info")));
+}
+
+TEST(Usage, PrintsTheVersion) {
+  const Run run = run_recede({"--version"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_EQ(run.output, std::string(RECEDE_VERSION) + "\n");
+}
+
+TEST(Usage, NeedsACommand) { EXPECT_THAT(complaint_of(run_recede({}), 2), HasSubstr("required")); }
+
+TEST(Usage, NamesAnUnknownCommand) {
+  EXPECT_THAT(complaint_of(run_recede({"decimate", "teapot"}), 2), HasSubstr("decimate"));
+}
+
+/// Arguments that can't be meant, and a part of the answer.
+struct BadValue {
+  const char* name;
+  std::vector<std::string> arguments;
+  const char* answer;
+};
+
+class BadValues : public testing::TestWithParam<BadValue> {};
+INSTANTIATE_TEST_SUITE_P(
+    Usage, BadValues,
+    testing::Values(
+        BadValue{"RatioThatIsNoNumber", {"simplify", "teapot", "--ratio", "half"}, "--ratio"},
+        BadValue{"RatioAboveOne", {"simplify", "teapot", "--ratio", "2"}, "ratio"},
+        BadValue{"NoFaces", {"simplify", "teapot", "--faces", "0"}, "face"},
+        BadValue{"NegativeError", {"simplify", "teapot", "--max-error", "-1"}, "error"},
+        BadValue{"UnknownCost", {"simplify", "teapot", "--cost", "beauty"}, "quadric, normal_deviation"},
+        BadValue{"CostByNumber", {"simplify", "teapot", "--cost", "1"}, "quadric, normal_deviation"},
+        BadValue{"UnknownPlacement", {"simplify", "teapot", "--placement", "near"}, "half_edge"},
+        BadValue{"OptimalPlacementWithoutQuadrics",
+                 {"simplify", "teapot", "--cost", "normal_deviation", "--placement", "optimal"},
+                 "quadric"},
+        BadValue{"FeatureAngleAbove180", {"simplify", "teapot", "--feature-angle", "200"}, "--feature-angle"},
+        BadValue{"NegativeThreads", {"simplify", "teapot", "--threads", "-1"}, "--threads"},
+        BadValue{"ThreadsThatAreNoNumber", {"simplify", "teapot", "--threads", "many"}, "--threads"},
+        BadValue{"RisingRatios", {"bake", "teapot", "--ratios", "0.1", "0.5"}, "decrease"},
+        BadValue{"FallingErrors", {"bake", "teapot", "--errors", "0.5", "0.1"}, "increase"},
+        BadValue{"NegativeRelativeError", {"bake", "teapot", "--relative-errors", "-1"}, "positive"},
+        BadValue{"TwoWaysToChooseLevels", {"bake", "teapot", "--ratios", "0.5", "--errors", "1"}, "--errors"},
+        BadValue{"NoPixels", {"bake", "teapot", "--image-height", "0"}, "image height"},
+        BadValue{"FieldOfViewOfAHalfTurn", {"bake", "teapot", "--field-of-view", "180"}, "field of view"},
+        BadValue{"NoPixelError", {"bake", "teapot", "--pixel-error", "0"}, "pixel error"},
+        BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(BadValues, AreWrongUsageAndWriteNothing) {
+  const TempFolder folder;
+  std::vector<std::string> arguments = GetParam().arguments;
+  arguments.insert(arguments.end(), {"-o", (folder / "out.ply").string()});
+  const std::string complaint = complaint_of(run_recede(arguments), 2);
+  EXPECT_THAT(complaint, HasSubstr(GetParam().answer));
+  EXPECT_LT(complaint.size(), 160u) << "a line that fits a terminal";
+  EXPECT_THAT(names_below(folder / ""), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace recede::test

@@ -1,0 +1,19 @@
+// consumer MESH: halves the faces of a mesh, and bakes it to show that every room links.
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/lod_hierarchy.h>
+#include <recede/lod/simplify.h>
+#include <recede/render/report.h>
+
+#include <iostream>
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  const recede::PolygonMesh mesh = recede::read_mesh(argv[1]).mesh;
+  const recede::SimplifyResult result = recede::simplify(mesh, {.target = {.ratio = 0.5}});
+  std::cout << result.faces_before << " faces became " << result.faces_after << '\n';
+  recede::HierarchyOptions options;
+  options.ratios = {0.5};
+  const recede::LodHierarchy hierarchy = recede::build_hierarchy(mesh, "block", options);
+  const recede::HierarchyFiles files = recede::write_hierarchy("out", hierarchy);
+  std::cout << recede::write_report("out", hierarchy, files).html.string() << '\n';
+}

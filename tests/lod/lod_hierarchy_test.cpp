@@ -1,0 +1,180 @@
+#include "meshes.h"
+#include "temp_folder.h"
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/lod_hierarchy.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <numbers>
+
+namespace recede {
+namespace {
+
+using test::mesh_of;
+namespace fs = std::filesystem;
+
+// The example of the source with its error corrected: 2000 pixels, 30 degrees, 1 m gives 0.268 mm a pixel.
+TEST(LodHierarchy, APixelCoversWhatTheFormulaSays) {
+  const ViewSettings view{2000, 30 * std::numbers::pi / 180, 1};
+  EXPECT_NEAR(pixel_footprint(1.0, view), 0.268e-3, 0.0005e-3);
+  EXPECT_NEAR(switch_distance(0.268e-3, view), 1.0, 0.002);
+  EXPECT_DOUBLE_EQ(switch_distance(pixel_footprint(7, view), view), 7);
+}
+
+TEST(LodHierarchy, HalfThePixelErrorDoublesTheDistance) {
+  ViewSettings view;
+  const double whole = switch_distance(1, view);
+  view.pixel_error = 0.5;
+  EXPECT_DOUBLE_EQ(switch_distance(1, view), 2 * whole);
+}
+
+HierarchyOptions by_ratios(std::vector<double> ratios) {
+  HierarchyOptions options;
+  options.ratios = std::move(ratios);
+  return options;
+}
+
+TEST(LodHierarchy, LevelsByRatioHaveGrowingErrorsAndDistances) {
+  const PolygonMesh mesh = mesh_of(make_displaced_sphere(6000, false));
+  const LodHierarchy h = build_hierarchy(mesh, "ball", by_ratios({0.5, 0.2, 0.05}));
+  ASSERT_EQ(h.levels.size(), 4u);
+  EXPECT_EQ(h.levels[0].mesh.n_faces(), mesh.n_faces());
+  EXPECT_EQ(h.levels[0].error.bound, 0);
+  EXPECT_EQ(h.levels[0].switch_distance, 0);
+  for (std::size_t i = 1; i < 4; ++i) {
+    const LodLevel& level = h.levels[i];
+    EXPECT_LE(level.mesh.n_faces(), std::vector<double>({1, 0.5, 0.2, 0.05})[i] * double(mesh.n_faces()));
+    EXPECT_LE(level.error.rms, level.error.max);
+    EXPECT_LE(level.error.max, level.error.bound);
+    EXPECT_GT(level.error.rms, h.levels[i - 1].error.rms);
+    EXPECT_DOUBLE_EQ(level.switch_distance, switch_distance(level.error.bound, h.view));
+    EXPECT_LE(level.screen_coverage, h.levels[i - 1].screen_coverage);
+  }
+}
+
+TEST(LodHierarchy, LevelsByErrorKeepTheirBound) {
+  const PolygonMesh mesh = mesh_of(make_displaced_sphere(6000, true));
+  HierarchyOptions options;
+  options.errors = {0.005, 0.02, 0.08};
+  const LodHierarchy h = build_hierarchy(mesh, "ball", options);
+  ASSERT_EQ(h.levels.size(), 4u);
+  for (std::size_t i = 1; i < 4; ++i) {
+    // Measured again by other samples and a finer certificate.
+    const MeshDistance d = measure_distance(mesh, h.levels[i].mesh, {.samples = 77'777, .bound_tolerance = 0.02});
+    EXPECT_LE(d.max, options.errors[i - 1]);
+    EXPECT_LE(h.levels[i].error.bound, options.errors[i - 1]);
+    EXPECT_GT(h.levels[i].error.bound, 0.4 * options.errors[i - 1]) << "the level could be much coarser";
+    EXPECT_LT(h.levels[i].mesh.n_faces(), h.levels[i - 1].mesh.n_faces());
+  }
+}
+
+TEST(LodHierarchy, LevelsByDistanceServeFromThereOn) {
+  HierarchyOptions options;
+  options.distances = {5, 20};
+  const LodHierarchy h = build_hierarchy(mesh_of(make_displaced_sphere(6000, true)), "ball", options);
+  ASSERT_EQ(h.levels.size(), 3u);
+  EXPECT_LE(h.levels[1].switch_distance, 5);
+  EXPECT_LE(h.levels[2].switch_distance, 20);
+  EXPECT_GT(h.levels[2].switch_distance, 8);
+}
+
+TEST(LodHierarchy, AnErrorThatNothingKeepsRepeatsTheLevelBefore) {
+  const PolygonMesh mesh = mesh_of(
+      test::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
+  HierarchyOptions options;
+  options.errors = {1e-9};
+  const LodHierarchy h = build_hierarchy(mesh, "tetrahedron", options);
+  EXPECT_EQ(h.levels[1].mesh.n_faces(), 4u);
+  EXPECT_LE(h.levels[1].error.bound, 1e-9);
+}
+
+TEST(LodHierarchy, RefusesContradictingOptions) {
+  const PolygonMesh mesh = mesh_of(test::grid(2));
+  EXPECT_THROW(build_hierarchy(mesh, "x", {}), OptionError);
+  HierarchyOptions both = by_ratios({0.5});
+  both.errors = {1};
+  EXPECT_THROW(build_hierarchy(mesh, "x", both), OptionError);
+  EXPECT_THROW(build_hierarchy(mesh, "x", by_ratios({0.1, 0.5})), OptionError);
+  EXPECT_THROW(build_hierarchy(mesh, "x", by_ratios({1.5})), OptionError);
+  EXPECT_THROW(build_hierarchy(PolygonMesh{}, "x", by_ratios({0.5})), InputError);
+}
+
+nlohmann::json json_of_glb(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  std::uint32_t length = 0;
+  std::copy_n(bytes.data() + 12, 4, reinterpret_cast<char*>(&length));
+  return nlohmann::json::parse(bytes.substr(20, length));
+}
+
+TEST(LodHierarchy, TheGlbNamesItsLevelsOnTheFirstSceneNode) {
+  const test::TempFolder folder;
+  const LodHierarchy h = build_hierarchy(mesh_of(make_displaced_sphere(3000, false)), "ball", by_ratios({0.5, 0.1}));
+  const HierarchyFiles files = write_hierarchy(folder.path(), h);
+  const nlohmann::json glb = json_of_glb(files.glb);
+  ASSERT_EQ(glb["scenes"][0]["nodes"].size(), 1u) << "coarser levels aren't in the scene of their own";
+  const auto& node = glb["nodes"][glb["scenes"][0]["nodes"][0].get<std::size_t>()];
+  EXPECT_EQ(node["extensions"]["MSFT_lod"]["ids"].size(), 2u);
+  const auto coverage = node["extras"]["MSFT_screencoverage"].get<std::vector<double>>();
+  ASSERT_EQ(coverage.size(), 3u) << "one for each level";
+  EXPECT_GE(coverage[0], coverage[1]);
+  EXPECT_EQ(coverage[2], 0);
+  EXPECT_THAT(glb["extensionsUsed"], ::testing::Contains("MSFT_lod"));
+  // Read back, the file is its finest level, as triangles.
+  EXPECT_EQ(read_soup(files.glb).n_faces(), 2 * h.levels[0].mesh.n_faces());
+}
+
+TEST(LodHierarchy, PolygonsAndNumbersComeBackFromTheFolder) {
+  const test::TempFolder folder;
+  PolygonSoup soup = make_displaced_sphere(2000, false);
+  soup.materials = {{"stone", {0.5, 0.5, 0.4, 1}, ""}};
+  soup.face_materials.assign(soup.n_faces(), 0);
+  const LodHierarchy h = build_hierarchy(mesh_of(soup), "ball", by_ratios({0.3, 0.1}));
+  const HierarchyFiles files = write_hierarchy(folder.path(), h);
+  const LodHierarchy back = read_hierarchy(files.folder);
+  EXPECT_EQ(back.name, "ball");
+  EXPECT_EQ(back.view.image_height, h.view.image_height);
+  EXPECT_EQ(back.radius, h.radius);
+  ASSERT_EQ(back.levels.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const PolygonSoup a = to_soup(h.levels[i].mesh), b = to_soup(back.levels[i].mesh);
+    EXPECT_EQ(a.positions, b.positions);
+    EXPECT_EQ(a.face_offsets, b.face_offsets);
+    EXPECT_EQ(a.corner_vertices, b.corner_vertices);
+    EXPECT_EQ(a.materials, b.materials);
+    EXPECT_EQ(back.levels[i].error.bound, h.levels[i].error.bound);
+    EXPECT_EQ(back.levels[i].switch_distance, h.levels[i].switch_distance);
+    EXPECT_EQ(back.levels[i].stop_reason, h.levels[i].stop_reason);
+    EXPECT_EQ(files.level_bytes[i], fs::file_size(files.level_files[i]));
+  }
+}
+
+TEST(LodHierarchy, WritingAgainReplacesTheFolder) {
+  const test::TempFolder folder;
+  const PolygonMesh mesh = mesh_of(test::grid(8));
+  write_hierarchy(folder.path(), build_hierarchy(mesh, "grid", by_ratios({0.5, 0.2})));
+  const HierarchyFiles files = write_hierarchy(folder.path(), build_hierarchy(mesh, "grid", by_ratios({0.5})));
+  EXPECT_EQ(read_hierarchy(files.folder).levels.size(), 2u);
+  EXPECT_FALSE(fs::exists(files.folder / "level_2.ply"));
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
+  EXPECT_EQ(entries, 2u) << "the GLB and the folder";
+}
+
+TEST(LodHierarchy, ADamagedFolderIsAnErrorThatNamesTheFile) {
+  const test::TempFolder folder;
+  const HierarchyFiles files = write_hierarchy(folder.path(), build_hierarchy(mesh_of(test::grid(8)), "grid", by_ratios({0.5})));
+  fs::remove(files.level_files[1]);
+  EXPECT_THROW(read_hierarchy(files.folder), InputError);
+  std::ofstream(files.folder / "hierarchy.json") << "{\"format\": \"recede hierarchy\", \"version\": 1";
+  EXPECT_THROW(read_hierarchy(files.folder), InputError);
+  EXPECT_THROW(read_hierarchy(folder.path() / "nothing"), InputError);
+}
+
+}  // namespace
+}  // namespace recede
