@@ -7,6 +7,7 @@
 // in rank order, brought up to date when a polygon near the edge changes, and one random number replaces k evaluations.
 // What the source leaves open: borders, seams and non-manifold edges collapse along themselves only, and there the
 // direction of the line counts like a normal; the link condition and the shape rules of all strategies apply.
+#include <recede/lod/detail/polygon_normal.h>
 #include <recede/lod/detail/rank_buckets.h>
 #include <recede/lod/detail/simplifier.h>
 #include <recede/geometry/closest_point.h>
@@ -15,16 +16,12 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
 namespace recede::detail {
 namespace {
-
-/// Where the vector area stands in for a corner average: below this share of the sum of the lengths averaged.
-constexpr double k_nearly_zero = 1e-9;
-/// Polygons whose vector area is below this share of their squared side have no normal that could turn.
-constexpr double k_no_area = 1e-12;
 
 /// Factor on the cost for each step of `polygon_loss`.
 constexpr double k_polygon_loss = 32;
@@ -94,39 +91,27 @@ class NormalDeviationSimplifier final : public Simplifier {
 /// Direction of a polygon with the collapse carried out; see `PolygonNormal`. Zero where there is none.
 Vec3 NormalDeviationSimplifier::normal(Index face, const Collapse& collapse) const {
   if (table_.face_corner[face] == k_no_index) return Vec3::Zero();
-  Vec3 points[64];
+  constexpr std::size_t k_on_stack = 32;  // larger polygons are rare and may allocate
+  std::array<Vec3, k_on_stack> buffer;
+  std::vector<Vec3> large;
+  if (table_.face_size[face] > k_on_stack) large.resize(table_.face_size[face]);
+  Vec3* const points = large.empty() ? buffer.data() : large.data();
   std::size_t n = 0;
   bool met = false;  // the new point stands once, although both ends may be corners
   Index corner = table_.face_corner[face];
-  for (Index i = 0; i < table_.face_size[face] && n < 64; ++i, corner = table_.next[corner]) {
+  for (Index i = 0; i < table_.face_size[face]; ++i, corner = table_.next[corner]) {
     const Index p = table_.point[corner];
     const bool moves = p == collapse.removed || p == collapse.kept;
     if (moves && met) continue;
     met = met || moves;
     points[n++] = moves ? collapse.position : table_.positions[p];
   }
-  const bool whole = table_.face_size[face] <= 64;
-  Vec3 area = Vec3::Zero();
-  double longest = 0;
-  for (std::size_t i = 1; i + 1 < n; ++i) area += (points[i] - points[0]).cross(points[i + 1] - points[0]);
-  if (!whole) area = twice_vector_area(table_, face, collapse.removed, collapse.kept, collapse.position);
-  for (std::size_t i = 0; i < n; ++i) longest = std::max(longest, (points[(i + 1) % n] - points[i]).squaredNorm());
-  if (!(area.norm() > k_no_area * longest)) return Vec3::Zero();
-  if (use_corner_normals_) {
-    const Vec3 mean = corner_normal_mean(face, collapse);
-    if (mean.norm() > k_nearly_zero) return mean.normalized();
-  }
-  if (options_.polygon_normal == PolygonNormal::vector_area || n <= 4 || !whole) {
-    return area.normalized();  // equal to the source's formulas for three and four corners
-  }
-  Vec3 sum = Vec3::Zero();
-  double lengths = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 turn = (points[(i + 1) % n] - points[i]).cross(points[(i + n - 1) % n] - points[i]);
-    sum += turn;
-    lengths += turn.norm();
-  }
-  return sum.norm() > k_nearly_zero * lengths ? sum.normalized() : area.normalized();
+  const std::span<const Vec3> polygon(points, n);
+  if (options_.polygon_normal == PolygonNormal::vector_area) return vector_area_normal(polygon);
+  const Vec3 by_corners = corner_average_normal(polygon);
+  if (!use_corner_normals_ || by_corners.isZero(0)) return by_corners;
+  const Vec3 mean = corner_normal_mean(face, collapse);
+  return mean.isZero(0) ? by_corners : Vec3(mean.normalized());
 }
 
 Vec3 NormalDeviationSimplifier::corner_normal_mean(Index face, const Collapse& collapse) const {
