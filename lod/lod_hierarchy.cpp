@@ -111,9 +111,9 @@ class HierarchyBuilder {
   /// stops at and the bound grow together, so their ratio in one try gives the next.
   LodLevel search_level(double limit, Progress* progress) {
     constexpr int k_tries = 6;
-    constexpr double k_close_enough = 0.9;  // of the limit
+    constexpr double k_close_enough = 0.8;  // of the limit
     constexpr double k_margin = 0.95;       // aim a little lower than the limit
-    double estimate = limit / 2, below = 0, above = std::numeric_limits<double>::infinity();
+    double estimate = limit * estimate_per_bound_, below = 0, above = std::numeric_limits<double>::infinity();
     LodLevel best;
     bool found = false;
     for (int attempt = 0; attempt < k_tries; ++attempt) {
@@ -121,6 +121,7 @@ class HierarchyBuilder {
       options.target = {.error = estimate};
       LodLevel level = measured_level(simplify(mesh_, options, progress), progress);
       const double bound = level.error.bound;
+      if (bound > 0) estimate_per_bound_ = estimate / bound;
       if (bound <= limit) {
         below = std::max(below, estimate);
         if (!found || level.mesh.n_faces() <= best.mesh.n_faces()) best = std::move(level);
@@ -129,7 +130,7 @@ class HierarchyBuilder {
       } else {
         above = std::min(above, estimate);
       }
-      double next = bound > 0 ? estimate * k_margin * limit / bound : 4 * estimate;
+      double next = bound > 0 ? k_margin * limit * estimate_per_bound_ : 4 * estimate;
       if (!(next > below && next < above)) next = std::isfinite(above) ? 0.5 * (below + above) : 4 * estimate;
       estimate = next;
     }
@@ -177,6 +178,7 @@ class HierarchyBuilder {
   const HierarchyOptions& options_;
   Progress* progress_;
   LodHierarchy hierarchy_;
+  double estimate_per_bound_ = 0.5;  // of the last try: where the next search starts
 };
 
 }  // namespace

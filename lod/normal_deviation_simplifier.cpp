@@ -26,6 +26,10 @@ namespace {
 /// Factor on the cost for each step of `polygon_loss`.
 constexpr double k_polygon_loss = 32;
 
+/// A point with more polygons than this is never removed: with so many around it, one of them would turn too far, and looking
+/// at all of them for every edge would take quadratic time.
+constexpr Index k_hub = 256;
+
 struct Edge {
   Index first, second;
 };
@@ -75,6 +79,7 @@ class NormalDeviationSimplifier final : public Simplifier {
   std::mt19937_64 random_;
   double draws_;
   bool use_corner_normals_;
+  std::vector<Index> valence_;          // by point: corners at the start of this sweep
   std::vector<unsigned char> altered_;  // by face: changed in this sweep
   std::vector<Vec3> normals_;           // by face: unit, or zero where there is none
   std::vector<double> deviation_;       // by point: how far removed points near it may stand off
@@ -192,9 +197,11 @@ double NormalDeviationSimplifier::line_turn(const Collapse& collapse) const {
 EdgeCost NormalDeviationSimplifier::evaluate(const Edge& edge) const {
   const EdgeFreedom freedom = edge_freedom(table_, edge.first, edge.second);
   EdgeCost best;
-  if (freedom.may_remove_first) best = {cost_of(make_collapse(edge, true)), true};
+  const bool may_remove_first = freedom.may_remove_first && valence_[edge.first] <= k_hub;
+  const bool may_remove_second = freedom.may_remove_second && valence_[edge.second] <= k_hub;
+  if (may_remove_first) best = {cost_of(make_collapse(edge, true)), true};
   const bool same_either_way = options_.placement == VertexPlacement::midpoint && freedom.may_move;
-  if (freedom.may_remove_second && !(freedom.may_remove_first && same_either_way)) {
+  if (may_remove_second && !(may_remove_first && same_either_way)) {
     const double cost = cost_of(make_collapse(edge, false));
     if (cost < best.cost) best = {cost, false};
   }
@@ -207,18 +214,16 @@ EdgeCost NormalDeviationSimplifier::evaluate(const Edge& edge) const {
 void NormalDeviationSimplifier::list_edges() {
   edges_.clear();
   edge_of_side_.assign(table_.point.size(), k_no_index);
+  // The edge to a point and the point from which it was last met: finds an edge at once, also at hubs.
+  std::vector<Edge> last(table_.positions.size(), {k_no_index, k_no_index});
   for (Index p = 0; p < table_.positions.size(); ++p) {
-    const std::size_t first_of_point = edges_.size();
     const auto name = [&](Index side, Index q) {
       if (q < p) return;
-      for (std::size_t e = first_of_point; e < edges_.size(); ++e) {
-        if (edges_[e].second == q) {
-          edge_of_side_[side] = static_cast<Index>(e);
-          return;
-        }
+      if (last[q].first != p) {
+        last[q] = {p, static_cast<Index>(edges_.size())};
+        edges_.push_back({p, q});
       }
-      edge_of_side_[side] = static_cast<Index>(edges_.size());
-      edges_.push_back({p, q});
+      edge_of_side_[side] = last[q].second;
     };
     table_.each_corner(p, [&](Index corner) {
       name(corner, table_.point[table_.next[corner]]);
@@ -314,9 +319,10 @@ bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
 
 bool NormalDeviationSimplifier::is_eligible(const Edge& edge) const {
   bool eligible = true;
-  table_.each_corner(edge.first, [&](Index corner) {
-    const bool on_edge = table_.point[table_.next[corner]] == edge.second ||
-                         table_.point[table_.previous(corner)] == edge.second;
+  const bool first_is_smaller = valence_[edge.first] <= valence_[edge.second];
+  const Index at = first_is_smaller ? edge.first : edge.second, other = first_is_smaller ? edge.second : edge.first;
+  table_.each_corner(at, [&](Index corner) {
+    const bool on_edge = table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
     if (on_edge && altered_[table_.face[corner]] != 0) eligible = false;
   });
   return eligible;
@@ -331,6 +337,7 @@ void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_
     if (table_.face_corner[f] == k_no_index) continue;
     Index at = table_.face_corner[f];
     for (Index i = 0; i < table_.face_size[f]; ++i, at = table_.next[at]) {
+      if (valence_[table_.point[at]] > k_hub) continue;  // what is around it is seen from its neighbours
       table_.each_corner(table_.point[at], [&](Index corner) {
         if (altered_[table_.face[corner]] != 0) return;
         // All sides of the polygon: those that don't touch the corner see it across a quad (`polygon_loss`).
@@ -358,6 +365,8 @@ std::size_t NormalDeviationSimplifier::pass(const Limits& limits, Progress* prog
   ++counts_.passes;
   unlink_dead_corners(table_);
   std::fill(altered_.begin(), altered_.end(), 0);
+  valence_.assign(table_.positions.size(), 0);
+  for (Index c = 0; c < table_.point.size(); ++c) valence_[table_.point[c]] += table_.is_alive(c) ? 1u : 0u;
   list_edges();
   rank_all_edges();
   std::size_t done = 0;

@@ -30,6 +30,7 @@ p { margin: 0 0 8px; max-width: 75ch; }
 .wide { overflow-x: auto; border: 1px solid var(--line); border-radius: 8px; background: var(--raised); }
 table { border-collapse: collapse; width: 100%; font-size: 13.5px; font-variant-numeric: tabular-nums; }
 th, td { padding: 6px 9px; text-align: right; white-space: nowrap; vertical-align: top; }
+td:last-child { white-space: normal; min-width: 9ch; }
 th { font-weight: 600; line-height: 1.25; }
 th small { display: block; font-weight: 400; }
 thead { border-bottom: 1px solid var(--line); }
