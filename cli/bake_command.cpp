@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <numbers>
 
 namespace recede::cli {
@@ -24,7 +25,8 @@ struct BakeOptions {
 
 const std::vector<double> k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
 
-Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, std::size_t i, double diagonal) {
+Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, std::size_t i,
+                   double diagonal) {
   const LodLevel& level = hierarchy.levels[i];
   return {{"level", i},
           {"file", files.level_files[i].string()},
@@ -35,17 +37,20 @@ Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, s
           {"switch_distance", level.switch_distance},
           {"screen_coverage", level.screen_coverage},
           {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
-          {"reason", level.stop_reason}};
+          {"stop_reason", level.stop_reason}};
 }
 
-void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files, const std::optional<ReportFiles>& report,
-                double diagonal, double seconds) {
-  fmt::print("level      faces        max error      rms error    certified bound   from distance  why it stopped\n");
+void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files,
+                const std::optional<ReportFiles>& report, double diagonal, double seconds) {
+  fmt::print(
+      "level      faces        max error      rms error    certified bound   from distance  why it "
+      "stopped\n");
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     const LodLevel& level = hierarchy.levels[i];
-    fmt::print("{:5} {:10} {:9.3g} ({:.2g} %) {:12.3g} {:12.3g} ({:.2g} %) {:12.4g}    {}\n", i, level.mesh.n_faces(), level.error.max,
-               100 * level.error.max / diagonal, level.error.rms, level.error.bound,
-               100 * level.error.bound / diagonal, level.switch_distance, level.stop_reason);
+    fmt::print("{:5} {:10} {:9.3g} ({:.2g} %) {:12.3g} {:12.3g} ({:.2g} %) {:12.4g}    {}\n", i,
+               level.mesh.n_faces(), level.error.max, 100 * level.error.max / diagonal, level.error.rms,
+               level.error.bound, 100 * level.error.bound / diagonal, level.switch_distance,
+               level.stop_reason);
   }
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
   if (report) fmt::print("report     {}\n", report->html.string());
@@ -61,14 +66,19 @@ Vec3 up_direction(const BakeOptions& options) {
 
 void run(BakeOptions options) {
   const auto start = std::chrono::steady_clock::now();
+  if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output)) {
+    throw InputError::in_file(options.output, "isn't a folder");
+  }
   TerminalProgress progress(options.common.quiet);
   HierarchyOptions& hierarchy_options = options.hierarchy;
   hierarchy_options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
   Model model = read_model(options.input, &progress);
+  require_faces(model, options.input);
   mark_features(model.read.mesh, options.feature_angle);
   const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
   for (const double share : options.relative_errors) hierarchy_options.errors.push_back(share * diagonal);
-  if (hierarchy_options.ratios.empty() && hierarchy_options.errors.empty() && hierarchy_options.distances.empty()) {
+  if (hierarchy_options.ratios.empty() && hierarchy_options.errors.empty() &&
+      hierarchy_options.distances.empty()) {
     hierarchy_options.ratios = k_default_ratios;
   }
   const LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
@@ -82,7 +92,8 @@ void run(BakeOptions options) {
   print_repairs(model.read.report, options.common);
   if (!options.common.json) return print_text(hierarchy, files, report, diagonal, seconds);
   Json levels = Json::array();
-  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) levels.push_back(level_to_json(hierarchy, files, i, diagonal));
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i)
+    levels.push_back(level_to_json(hierarchy, files, i, diagonal));
   print_json({{"command", "bake"},
               {"input", options.input},
               {"hierarchy", files.glb.string()},
@@ -99,7 +110,8 @@ void run(BakeOptions options) {
 void add_bake_command(CLI::App& app) {
   const auto options = std::make_shared<BakeOptions>();
   CLI::App* command = app.add_subcommand(
-      "bake", "Makes a hierarchy of levels of detail, each with its measured error, and a report with pictures.");
+      "bake",
+      "Makes a hierarchy of levels of detail, each with its measured error, and a report with pictures.");
   command->footer("Example:\n  recede bake dragon.ply -o out/ --ratios 0.5 0.1 0.02");
   command->add_option("input", options->input, k_input_help)->required();
   command->add_option("-o,--output", options->output, "folder to write to")->required();
@@ -108,15 +120,19 @@ void add_bake_command(CLI::App& app) {
   CLI::Option_group* choice = command->add_option_group(levels);
   choice->add_option("--ratios", hierarchy.ratios, "shares of the input's faces, decreasing");
   choice->add_option("--errors", hierarchy.errors, "certified error bounds, increasing, object units");
-  choice->add_option("--relative-errors", options->relative_errors, "the same as shares of the diagonal (0.01 = 1 %)");
-  choice->add_option("--distances", hierarchy.distances, "camera distances, increasing; errors follow from the view");
+  choice->add_option("--relative-errors", options->relative_errors,
+                     "the same as shares of the diagonal (0.01 = 1 %)");
+  choice->add_option("--distances", hierarchy.distances,
+                     "camera distances, increasing; errors follow from the view");
   choice->require_option(0, 1);
   const auto view = "View (for switch distances)";
   command->add_option("--image-height", hierarchy.view.image_height, "pixels (1080)")->group(view);
   command->add_option("--field-of-view", options->field_of_view, "vertical, degrees (45)")->group(view);
-  command->add_option("--pixel-error", hierarchy.view.pixel_error, "error that a level may show, pixels (1)")->group(view);
+  command->add_option("--pixel-error", hierarchy.view.pixel_error, "error that a level may show, pixels (1)")
+      ->group(view);
   command->add_option("--up", options->up, "axis that points up in the pictures: x, y (default) or z")
-      ->check(CLI::IsMember({"x", "y", "z"}))->group(view);
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->group(view);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
   add_common_options(*command, options->common);

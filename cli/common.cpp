@@ -1,4 +1,5 @@
 #include "common.h"
+
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
@@ -7,7 +8,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <numbers>
 
 namespace recede::cli {
@@ -17,46 +17,94 @@ namespace fs = std::filesystem;
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_flag("--json", options.json, "print one JSON document instead of text");
   command.add_flag("-q,--quiet", options.quiet, "no progress bar and no remarks");
-  command.add_option("--threads", options.threads, "number of threads; 0: all")->check(CLI::NonNegativeNumber);
+  constexpr int k_most_threads = 1024;
+  command.add_option("--threads", options.threads, "number of threads; 0: all")
+      ->check(CLI::Range(0, k_most_threads));
 }
 
 Model read_model(const std::string& input, Progress* progress) {
   if (!fs::exists(input)) {
     constexpr std::size_t k_sphere_faces = 250'000;
     if (input == "teapot") return {input, repair_to_polygon_mesh(make_teapot())};
-    if (input == "sphere") return {input, repair_to_polygon_mesh(make_displaced_sphere(k_sphere_faces, true))};
+    if (input == "sphere")
+      return {input, repair_to_polygon_mesh(make_displaced_sphere(k_sphere_faces, true))};
   }
   return {fs::path(input).stem().string(), read_mesh(input, progress)};
 }
 
+namespace {
+
+/// Turns a name into its number. CLI11's own transformers also take the numbers, and list them when they
+/// complain.
+template <typename Value>
+CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
+  const auto replace = [names](std::string& text) -> std::string {
+    std::string known;
+    for (const auto& [name, value] : names) {
+      if (text == name) {
+        text = std::to_string(static_cast<int>(value));
+        return "";
+      }
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    return fmt::format("{} isn't one of {}", text, known);
+  };
+  return {replace, "NAME"};
+}
+
+}  // namespace
+
+void require_faces(const Model& model, const std::string& input) {
+  if (model.read.mesh.n_faces() == 0) throw InputError::in_file(input, "holds no faces");
+}
+
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle) {
-  static const std::map<std::string, CostPolicy> costs{{"quadric", CostPolicy::quadric},
-                                                       {"normal_deviation", CostPolicy::normal_deviation}};
-  static const std::map<std::string, VertexPlacement> placements{{"automatic", VertexPlacement::automatic},
-                                                                 {"half_edge", VertexPlacement::half_edge},
-                                                                 {"midpoint", VertexPlacement::midpoint},
-                                                                 {"optimal", VertexPlacement::optimal}};
+  const CLI::Validator cost = one_of<CostPolicy>(
+      {{"quadric", CostPolicy::quadric}, {"normal_deviation", CostPolicy::normal_deviation}});
+  const CLI::Validator placement = one_of<VertexPlacement>({{"automatic", VertexPlacement::automatic},
+                                                            {"half_edge", VertexPlacement::half_edge},
+                                                            {"midpoint", VertexPlacement::midpoint},
+                                                            {"optimal", VertexPlacement::optimal}});
   const auto group = "Simplification";
-  command.add_option("--cost", options.cost, "what decides which edge goes: quadric (default) or normal_deviation")
-      ->transform(CLI::CheckedTransformer(costs, CLI::ignore_case))->group(group)->option_text("NAME");
-  command.add_option("--placement", options.placement,
-                     "where the vertex of a collapsed edge goes: automatic, half_edge, midpoint or optimal")
-      ->transform(CLI::CheckedTransformer(placements, CLI::ignore_case))->group(group)->option_text("NAME");
-  command.add_option("--normal-threshold", options.normal_threshold,
-                     "normal_deviation: least dot product of normals before and after (0.99)")->group(group);
-  command.add_option("--candidate-share", options.candidate_share,
-                     "normal_deviation: candidates per collapse as a share of all polygons (0.01)")->group(group);
-  command.add_option("--seed", options.seed, "normal_deviation: seed of the candidate draws (1)")->group(group);
-  command.add_option("--feature-angle", feature_angle,
-                     "keep edges whose faces meet at more than this angle, degrees; 0: none")
-      ->check(CLI::Range(0.0, 180.0))->group(group);
-  command.add_flag("--lock-borders", options.lock_borders, "leave border vertices where they are")->group(group);
+  command
+      .add_option("--cost", options.cost,
+                  "what decides which edge goes: quadric (default) or normal_deviation")
+      ->transform(cost)
+      ->group(group)
+      ->option_text("NAME");
+  command
+      .add_option("--placement", options.placement,
+                  "where the vertex of a collapsed edge goes: automatic, half_edge, midpoint or optimal")
+      ->transform(placement)
+      ->group(group)
+      ->option_text("NAME");
+  command
+      .add_option("--normal-threshold", options.normal_threshold,
+                  "normal_deviation: least dot product of normals before and after (0.99)")
+      ->group(group);
+  command
+      .add_option("--candidate-share", options.candidate_share,
+                  "normal_deviation: candidates per collapse as a share of all polygons (0.01)")
+      ->group(group);
+  command.add_option("--seed", options.seed, "normal_deviation: seed of the candidate draws (1)")
+      ->group(group);
+  command
+      .add_option("--feature-angle", feature_angle,
+                  "keep edges whose faces meet at more than this angle, degrees; 0: none")
+      ->check(CLI::Range(0.0, 180.0))
+      ->group(group);
+  command.add_flag("--lock-borders", options.lock_borders, "leave border vertices where they are")
+      ->group(group);
   const auto add_switch_off = [&](const char* name, bool& option, const char* help) {
-    command.add_flag_callback(name, [&option] { option = false; }, help)->group(group);
+    command
+        .add_flag_callback(
+            name, [&option] { option = false; }, help)
+        ->group(group);
   };
   add_switch_off("--ignore-uv-seams", options.keep_uv_seams, "let texture seams move freely");
   add_switch_off("--ignore-normal-seams", options.keep_normal_seams, "let normal seams move freely");
-  add_switch_off("--ignore-polygons", options.keep_polygons, "don't prefer collapses that keep quads and larger polygons");
+  add_switch_off("--ignore-polygons", options.keep_polygons,
+                 "don't prefer collapses that keep quads and larger polygons");
 }
 
 void mark_features(PolygonMesh& mesh, double feature_angle) {
@@ -100,7 +148,8 @@ Json error_to_json(double max, double rms, std::optional<double> bound, double d
 }
 
 std::string length_text(double length, double diagonal) {
-  return diagonal > 0 ? fmt::format("{:.4g} ({:.3g} %)", length, 100 * length / diagonal) : fmt::format("{:.4g}", length);
+  return diagonal > 0 ? fmt::format("{:.4g} ({:.3g} %)", length, 100 * length / diagonal)
+                      : fmt::format("{:.4g}", length);
 }
 
 void print_json(const Json& document) { fmt::print("{}\n", document.dump(2)); }

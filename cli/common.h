@@ -28,6 +28,8 @@ struct Model {
   MeshFromSoup read;
 };
 Model read_model(const std::string& input, Progress* progress);
+/// Throws `InputError` for a model without faces, with which nothing can be done.
+void require_faces(const Model& model, const std::string& input);
 inline constexpr const char* k_input_help =
     "mesh file (.obj .ply .stl .off .gltf .glb), or a built-in model: teapot, sphere";
 

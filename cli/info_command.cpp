@@ -49,13 +49,16 @@ std::string attribute_names(const PolygonMesh& mesh) {
 void print_text(const MeshSummary& s, const PolygonMesh& mesh) {
   const Vec3 low = s.box.min(), high = s.box.max();
   fmt::print("vertices     {}{}\n", s.vertices,
-             s.split_vertices > 0 ? fmt::format(" ({} of them copies at non-manifold places)", s.split_vertices) : "");
-  fmt::print("faces        {} ({} triangles, {} quads, {} larger)\n", s.faces, s.triangles, s.quads, s.larger_polygons);
+             s.split_vertices > 0
+                 ? fmt::format(" ({} of them copies at non-manifold places)", s.split_vertices)
+                 : "");
+  fmt::print("faces        {} ({} triangles, {} quads, {} larger)\n", s.faces, s.triangles, s.quads,
+             s.larger_polygons);
   fmt::print("edges        {} ({} on {} borders)\n", s.edges, s.border_edges, s.border_loops);
   fmt::print("components   {}\n", s.components);
   if (s.vertices > 0) {
-    fmt::print("box          {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n", low.x(), low.y(), low.z(), high.x(),
-               high.y(), high.z());
+    fmt::print("box          {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n", low.x(), low.y(), low.z(),
+               high.x(), high.y(), high.z());
     fmt::print("diagonal     {:.6g}\n", s.box.diagonal().norm());
   }
   fmt::print("area         {:.6g}\n", s.area);
@@ -80,7 +83,8 @@ void run(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = app.add_subcommand("info", "Says what a mesh file holds and what reading it had to repair.");
+  CLI::App* command =
+      app.add_subcommand("info", "Says what a mesh file holds and what reading it had to repair.");
   command->footer("Example:\n  recede info dragon.ply");
   command->add_option("input", options->input, k_input_help)->required();
   add_common_options(*command, options->common);

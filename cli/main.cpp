@@ -1,10 +1,10 @@
-// The command `recede`: reads arguments, calls the library, prints. Exit codes: 0 done, 1 failure, 2 wrong usage.
+// The command `recede`: reads arguments, calls the library, prints. Exit codes: 0 done, 1 failure, 2 wrong
+// usage.
 #include "common.h"
 #include <recede/geometry/error.h>
 
-#include <oneapi/tbb/global_control.h>
-
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <memory>
@@ -21,6 +21,14 @@ int fail(const std::string& text, int code) {
   std::replace(line.begin(), line.end(), '\n', ' ');
   fmt::print(stderr, "recede: {}\n", line);
   return code;
+}
+
+/// What is wrong with the arguments. CLI11 asks for a command even when there is one that it doesn't know.
+std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
+  const auto unknown = app.remaining();
+  const bool has_command = !app.get_subcommands().empty();
+  if (!has_command && !unknown.empty()) return fmt::format("unknown command or option {}", unknown.front());
+  return error.what();
 }
 
 /// The number of threads belongs to the process; it must be known before any work starts.
@@ -55,7 +63,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
-    return fail(error.what(), k_wrong_usage);
+    return fail(usage_text(app, error), k_wrong_usage);
   } catch (const recede::OptionError& error) {
     return fail(error.what(), k_wrong_usage);
   } catch (const std::bad_alloc&) {

@@ -14,8 +14,9 @@ struct SimplifyCommandOptions {
   bool no_measure = false;
 };
 
-Json to_json(const SimplifyCommandOptions& options, const SimplifyResult& result, const std::optional<MeshDistance>& d,
-             double diagonal, const WriteResult& written, const RepairReport& repairs) {
+Json to_json(const SimplifyCommandOptions& options, const SimplifyResult& result,
+             const std::optional<MeshDistance>& d, double diagonal, const WriteResult& written,
+             const RepairReport& repairs) {
   Json document = {{"command", "simplify"},
                    {"input", options.input},
                    {"output", options.output},
@@ -25,7 +26,7 @@ Json to_json(const SimplifyCommandOptions& options, const SimplifyResult& result
                    {"vertices", result.vertices_after},
                    {"collapses", result.collapses},
                    {"passes", result.passes},
-                   {"reason", to_string(result.reason)},
+                   {"stop_reason", to_string(result.reason)},
                    {"refused", refused_to_json(result.refused)},
                    {"error_estimate", result.error_estimate}};
   document["error"] = d ? error_to_json(d->max, d->rms, d->max_bound, diagonal) : Json(nullptr);
@@ -46,13 +47,14 @@ std::string refusal_text(const RefusedCollapses& refused) {
   std::string text;
   for (std::size_t i = 0; i < refused.counts.size(); ++i) {
     if (refused.counts[i] == 0) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", to_string(static_cast<Refusal>(i)), refused.counts[i]);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", to_string(static_cast<Refusal>(i)),
+                        refused.counts[i]);
   }
   return text.empty() ? "none" : text;
 }
 
-void print_text(const SimplifyCommandOptions& options, const SimplifyResult& result, const std::optional<MeshDistance>& d,
-                double diagonal) {
+void print_text(const SimplifyCommandOptions& options, const SimplifyResult& result,
+                const std::optional<MeshDistance>& d, double diagonal) {
   fmt::print("faces        {} -> {}\n", result.faces_before, result.faces_after);
   fmt::print("vertices     {} -> {}\n", result.vertices_before, result.vertices_after);
   if (d) {
@@ -60,7 +62,8 @@ void print_text(const SimplifyCommandOptions& options, const SimplifyResult& res
     fmt::print("error bound  {}, certified\n", length_text(*d->max_bound, diagonal));
     fmt::print("error rms    {}\n", length_text(d->rms, diagonal));
   } else {
-    fmt::print("error        {}, estimated while simplifying\n", length_text(result.error_estimate, diagonal));
+    fmt::print("error        {}, estimated while simplifying\n",
+               length_text(result.error_estimate, diagonal));
   }
   fmt::print("stopped      {}\n", to_string(result.reason));
   fmt::print("refused      {}\n", refusal_text(result.refused));
@@ -69,12 +72,14 @@ void print_text(const SimplifyCommandOptions& options, const SimplifyResult& res
 }
 
 void run(const SimplifyCommandOptions& options) {
+  check_mesh_path(options.output);
   TerminalProgress progress(options.common.quiet);
   Model model = read_model(options.input, &progress);
+  require_faces(model, options.input);
   mark_features(model.read.mesh, options.feature_angle);
   const SimplifyResult result = simplify(model.read.mesh, options.simplify, &progress);
   std::optional<MeshDistance> distance;
-  if (!options.no_measure && result.faces_after > 0) {
+  if (!options.no_measure) {
     distance = measure_distance(model.read.mesh, result.mesh, {.bound_tolerance = 0.05}, &progress);
   }
   const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
@@ -82,11 +87,12 @@ void run(const SimplifyCommandOptions& options) {
   progress.clear();
   print_repairs(model.read.report, options.common);
   for (const std::string& missing : written.written_without) {
-    print_remark(fmt::format("{}: {}", options.output, missing), options.common);
+    print_remark(fmt::format("{}: written without {}", options.output, missing), options.common);
   }
   if (target_missed(options, result)) {
     print_remark(fmt::format("the target was not reached: {}; refused: {}", to_string(result.reason),
-                             refusal_text(result.refused)), options.common);
+                             refusal_text(result.refused)),
+                 options.common);
   }
   if (options.common.json) {
     print_json(to_json(options, result, distance, diagonal, written, model.read.report));
@@ -96,7 +102,8 @@ void run(const SimplifyCommandOptions& options) {
 }
 
 template <typename Value>
-void add_target(CLI::App& command, const std::string& name, std::optional<Value>& target, const std::string& help) {
+void add_target(CLI::App& command, const std::string& name, std::optional<Value>& target,
+                const std::string& help) {
   command.add_option(name, target, help)->group("Target (the first that is reached stops)");
 }
 
@@ -104,16 +111,19 @@ void add_target(CLI::App& command, const std::string& name, std::optional<Value>
 
 void add_simplify_command(CLI::App& app) {
   const auto options = std::make_shared<SimplifyCommandOptions>();
-  CLI::App* command = app.add_subcommand("simplify", "Makes one coarser mesh and measures how far it is from the input.");
+  CLI::App* command =
+      app.add_subcommand("simplify", "Makes one coarser mesh and measures how far it is from the input.");
   command->footer("Example:\n  recede simplify dragon.ply -o small.ply --ratio 0.1");
   command->add_option("input", options->input, k_input_help)->required();
-  command->add_option("-o,--output", options->output, "file to write; the extension chooses the format")->required();
+  command->add_option("-o,--output", options->output, "file to write; the extension chooses the format")
+      ->required();
   SimplifyTarget& target = options->simplify.target;
   add_target(*command, "--faces", target.faces, "at most this many faces");
   add_target(*command, "--vertices", target.vertices, "at most this many vertices");
   add_target(*command, "--ratio", target.ratio, "at most this share of the faces, 0 to 1");
   add_target(*command, "--max-error", target.error, "stop before the estimated error exceeds this length");
-  add_target(*command, "--max-relative-error", target.relative_error, "the same as a share of the diagonal (0.01 = 1 %)");
+  add_target(*command, "--max-relative-error", target.relative_error,
+             "the same as a share of the diagonal (0.01 = 1 %)");
   add_simplify_options(*command, options->simplify, options->feature_angle);
   command->add_flag("--no-measure", options->no_measure, "don't measure the error of the result");
   add_common_options(*command, options->common);

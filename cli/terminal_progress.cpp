@@ -1,8 +1,7 @@
 #include "terminal_progress.h"
 
-#include <unistd.h>
-
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -39,8 +38,9 @@ void TerminalProgress::update(std::string_view stage, double fraction) {
   drawn_ = true;
   constexpr int k_width = 30;
   const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * k_width);
-  const std::string bar = fmt::format("\r\x1b[K[{:<{}}] {:3.0f} % {}", std::string(static_cast<std::size_t>(filled), '#'),
-                                      k_width, 100 * fraction, stage);
+  const std::string bar =
+      fmt::format("\r\x1b[K[{:<{}}] {:3.0f} % {}", std::string(static_cast<std::size_t>(filled), '#'),
+                  k_width, 100 * fraction, stage);
   std::fputs(bar.c_str(), stderr);
   std::fflush(stderr);
 }

@@ -8,7 +8,8 @@
 
 namespace recede::cli {
 
-/// After this, Ctrl-C makes `TerminalProgress` ask for cancellation; a second Ctrl-C ends the process at once.
+/// After this, Ctrl-C makes `TerminalProgress` ask for cancellation; a second Ctrl-C ends the process at
+/// once.
 void catch_interrupts();
 
 /// Draws a bar on standard error when that is a terminal; draws nothing otherwise or when `quiet`.

@@ -48,7 +48,8 @@ Vec3 closest_point_on_triangle(const Vec3& p, const Triangle& t) {
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return d2 - d6 > 0 ? Vec3(t.a + d2 / (d2 - d6) * ac) : t.a;
   const double va = d3 * d6 - d5 * d4;
   const double sum = (d4 - d3) + (d5 - d6);
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return sum > 0 ? Vec3(t.b + (d4 - d3) / sum * (t.c - t.b)) : t.b;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return sum > 0 ? Vec3(t.b + (d4 - d3) / sum * (t.c - t.b)) : t.b;
   // Slivers: the three areas are noise of the same size as their sum, so the sides decide.
   const double area = va + vb + vc;
   const double scale = ab.squaredNorm() * ac.squaredNorm();
@@ -62,7 +63,8 @@ ClosestPointTree::ClosestPointTree(const std::vector<Vec3>& positions, const std
   std::vector<Vec3> centers(n);
   triangles_.resize(n);
   for (std::size_t t = 0; t < n; ++t) {
-    triangles_[t] = {positions[triangles[3 * t]], positions[triangles[3 * t + 1]], positions[triangles[3 * t + 2]]};
+    triangles_[t] = {positions[triangles[3 * t]], positions[triangles[3 * t + 1]],
+                     positions[triangles[3 * t + 2]]};
     centers[t] = (triangles_[t].a + triangles_[t].b + triangles_[t].c) / 3;
   }
   number_.resize(n);
@@ -105,7 +107,8 @@ Index ClosestPointTree::build(std::vector<Index>& order, const std::vector<Vec3>
   const auto begin = order.begin();
   std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
                    begin + static_cast<std::ptrdiff_t>(last), [&](Index x, Index y) {
-                     return centers[x][axis] != centers[y][axis] ? centers[x][axis] < centers[y][axis] : x < y;
+                     return centers[x][axis] != centers[y][axis] ? centers[x][axis] < centers[y][axis]
+                                                                 : x < y;
                    });
   const auto index = static_cast<Index>(nodes_.size());
   nodes_.emplace_back();

@@ -12,8 +12,8 @@ struct Triangle {
   Vec3 a, b, c;
 };
 
-/// The point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5). Triangles of zero area
-/// are segments or points.
+/// The point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5). Triangles of zero
+/// area are segments or points.
 Vec3 closest_point_on_triangle(const Vec3& p, const Triangle& triangle);
 
 /// Answers nearest-point queries on a fixed set of triangles. Queries may run in parallel.
@@ -28,8 +28,8 @@ class ClosestPointTree {
   /// `triangles` holds three vertex indices each; there must be at least one triangle.
   ClosestPointTree(const std::vector<Vec3>& positions, const std::vector<Index>& triangles);
 
-  /// The nearest point. `hint`, a triangle thought to be near, makes a run of neighbouring queries faster; among
-  /// equally near triangles the result may depend on it, the distance never does.
+  /// The nearest point. `hint`, a triangle thought to be near, makes a run of neighbouring queries faster;
+  /// among equally near triangles the result may depend on it, the distance never does.
   Hit closest(const Vec3& p, Index hint = k_no_index) const;
 
   Triangle triangle(Index number) const { return triangles_[place_[number]]; }
@@ -44,8 +44,8 @@ class ClosestPointTree {
   };
   struct Range;
 
-  Index build(std::vector<Index>& order, const std::vector<Vec3>& centers, std::size_t first, std::size_t last,
-              Box3& box, int depth);
+  Index build(std::vector<Index>& order, const std::vector<Vec3>& centers, std::size_t first,
+              std::size_t last, Box3& box, int depth);
   void test_leaf(const Vec3& p, Index leaf, Hit& best) const;
 
   std::vector<Triangle> triangles_;  // in the order of the leaves

@@ -6,7 +6,7 @@ namespace recede::detail {
 namespace {
 
 struct Side {
-  Index upper;   // the larger vertex of the edge
+  Index upper;  // the larger vertex of the edge
   Index corner;
 };
 
@@ -17,8 +17,8 @@ EdgeTable build_edge_table(const PolygonSoup& soup) {
   const std::size_t n_corners = soup.n_corners();
   table.corner_faces.resize(n_corners);
   for (std::size_t f = 0; f < soup.n_faces(); ++f) {
-    std::fill(table.corner_faces.begin() + soup.face_offsets[f], table.corner_faces.begin() + soup.face_offsets[f + 1],
-              static_cast<Index>(f));
+    std::fill(table.corner_faces.begin() + soup.face_offsets[f],
+              table.corner_faces.begin() + soup.face_offsets[f + 1], static_cast<Index>(f));
   }
   // Counting sort of all sides by their lower vertex; each bucket is small and sorted by the upper one.
   const auto ends = [&](std::size_t corner) -> std::pair<Index, Index> {
@@ -44,7 +44,8 @@ EdgeTable build_edge_table(const PolygonSoup& soup) {
     });
     for (auto side = first; side != last; ++side) {
       const auto place = static_cast<std::size_t>(side - sides.begin());
-      if (side == first || side->upper != (side - 1)->upper) table.edge_offsets.push_back(static_cast<Index>(place));
+      if (side == first || side->upper != (side - 1)->upper)
+        table.edge_offsets.push_back(static_cast<Index>(place));
       table.edge_corners[place] = side->corner;
       table.edge_of_corner[side->corner] = static_cast<Index>(table.edge_offsets.size() - 1);
     }

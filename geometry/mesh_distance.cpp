@@ -38,8 +38,9 @@ struct Surface {
   double area = 0;
 };
 
-/// `count` points spread evenly by area: point i stands at share (i + 1/2) / count of the running area, and its place
-/// inside the triangle comes from Roberts' R2 sequence, so that points of one triangle fill it evenly.
+/// `count` points spread evenly by area: point i stands at share (i + 1/2) / count of the running area, and
+/// its place inside the triangle comes from Roberts' R2 sequence, so that points of one triangle fill it
+/// evenly.
 std::vector<Vec3> sample_points(const Surface& surface, std::size_t count) {
   constexpr double k_alpha1 = 0.7548776662466927, k_alpha2 = 0.5698402909980532;
   std::vector<Vec3> points;
@@ -62,8 +63,8 @@ std::vector<Vec3> sample_points(const Surface& surface, std::size_t count) {
   return points;
 }
 
-/// Squared distance of each point to the surface. Neighbouring points are asked in one block, so that the answer to one is
-/// a good guess for the next.
+/// Squared distance of each point to the surface. Neighbouring points are asked in one block, so that the
+/// answer to one is a good guess for the next.
 std::vector<double> squared_distances(const std::vector<Vec3>& points, const ClosestPointTree& tree) {
   std::vector<double> result(points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 1024), [&](const auto& range) {
@@ -77,7 +78,8 @@ std::vector<double> squared_distances(const std::vector<Vec3>& points, const Clo
   return result;
 }
 
-void keep_largest(const std::vector<Vec3>& points, const std::vector<double>& squared, OneSidedDistance& side) {
+void keep_largest(const std::vector<Vec3>& points, const std::vector<double>& squared,
+                  OneSidedDistance& side) {
   double largest = side.max * side.max;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (squared[i] <= largest) continue;
@@ -87,7 +89,8 @@ void keep_largest(const std::vector<Vec3>& points, const std::vector<double>& sq
   }
 }
 
-OneSidedDistance sampled_distance(const Surface& from, const Surface& to, std::size_t samples, std::size_t& evaluated) {
+OneSidedDistance sampled_distance(const Surface& from, const Surface& to, std::size_t samples,
+                                  std::size_t& evaluated) {
   OneSidedDistance side;
   const std::vector<Vec3> points = sample_points(from, samples);
   const std::vector<double> squared = squared_distances(points, to.tree);
@@ -112,11 +115,12 @@ OneSidedDistance sampled_distance(const Surface& from, const Surface& to, std::s
 
 /// The certified interval of the one-sided maximum, by branch and bound.
 ///
-/// The distance to one triangle is convex, so over a piece of the source surface it is largest at the piece's corners;
-/// the distance to the surface is at most that for any triangle of it. It is also at most the distance of the centroid plus
-/// the piece's radius. A piece whose smallest such bound doesn't meet the goal is cut: along the prism over
-/// the triangle nearest to its centroid when it sticks out of that (beyond the cut another triangle is nearer, so
-/// flat regions are done after one piece for each pair of overlapping triangles), else into four.
+/// The distance to one triangle is convex, so over a piece of the source surface it is largest at the piece's
+/// corners; the distance to the surface is at most that for any triangle of it. It is also at most the
+/// distance of the centroid plus the piece's radius. A piece whose smallest such bound doesn't meet the goal
+/// is cut: along the prism over the triangle nearest to its centroid when it sticks out of that (beyond the
+/// cut another triangle is nearer, so flat regions are done after one piece for each pair of overlapping
+/// triangles), else into four.
 class BoundSearch {
  public:
   struct Interval {
@@ -141,7 +145,8 @@ class BoundSearch {
   }
 
  private:
-  // Past this, a triangle's pieces keep the bound that they have: the interval stays true, only wider than asked.
+  // Past this, a triangle's pieces keep the bound that they have: the interval stays true, only wider than
+  // asked.
   static constexpr std::size_t k_most_pieces = 2'000'000;
 
   struct Piece {
@@ -156,8 +161,8 @@ class BoundSearch {
     const double at_centroid = std::sqrt(nearest.squared_distance);
     result.lower = std::max(result.lower, at_centroid);
     const Triangle target = to_.triangle(nearest.triangle);
-    const double radius = std::sqrt(std::max({(t.a - centroid).squaredNorm(), (t.b - centroid).squaredNorm(),
-                                              (t.c - centroid).squaredNorm()}));
+    const double radius = std::sqrt(std::max(
+        {(t.a - centroid).squaredNorm(), (t.b - centroid).squaredNorm(), (t.c - centroid).squaredNorm()}));
     const double bound = std::min(at_centroid + radius, largest_distance(t, target));
     if (bound <= std::max(result.lower / (1 - tolerance_), floor_) || give_up) {
       result.upper = std::max(result.upper, bound);
@@ -174,8 +179,9 @@ class BoundSearch {
     return std::sqrt(largest);
   }
 
-  /// Cuts by the plane through a side of `target`, upright on it, beyond which a corner of the piece lies farthest.
-  /// False when no side cuts the piece, or when the piece is so much larger than `target` that halving its sides is better.
+  /// Cuts by the plane through a side of `target`, upright on it, beyond which a corner of the piece lies
+  /// farthest. False when no side cuts the piece, or when the piece is so much larger than `target` that
+  /// halving its sides is better.
   bool cut_along_prism(const Piece& piece, const Triangle& target, Index hint) {
     const std::array<Vec3, 3> ends{target.a, target.b, target.c};
     const Vec3 normal = (target.b - target.a).cross(target.c - target.a);
@@ -203,7 +209,8 @@ class BoundSearch {
   }
 
   static double longest_side(const Triangle& t) {
-    return std::sqrt(std::max({(t.a - t.b).squaredNorm(), (t.b - t.c).squaredNorm(), (t.c - t.a).squaredNorm()}));
+    return std::sqrt(
+        std::max({(t.a - t.b).squaredNorm(), (t.b - t.c).squaredNorm(), (t.c - t.a).squaredNorm()}));
   }
 
   /// The parts of a triangle below and above height 0, as triangles.
@@ -241,10 +248,10 @@ class BoundSearch {
   std::vector<Piece> pieces_;
 };
 
-/// Every triangle starts from the same lower bound and not from its neighbours' results: the interval is then the same
-/// for any number of threads.
-BoundSearch::Interval certified_interval(const Surface& from, const Surface& to, double lower, double tolerance,
-                                         double floor) {
+/// Every triangle starts from the same lower bound and not from its neighbours' results: the interval is then
+/// the same for any number of threads.
+BoundSearch::Interval certified_interval(const Surface& from, const Surface& to, double lower,
+                                         double tolerance, double floor) {
   std::vector<BoundSearch::Interval> intervals(from.n_triangles());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.n_triangles(), 64), [&](const auto& range) {
     BoundSearch search(to.tree, lower, tolerance, floor);
@@ -260,8 +267,8 @@ BoundSearch::Interval certified_interval(const Surface& from, const Surface& to,
 
 void check(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options) {
   if (a.n_faces() == 0 || b.n_faces() == 0) {
-    throw InputError(std::string("the distance needs two surfaces, but the ") + (a.n_faces() == 0 ? "first" : "second") +
-                     " one has no faces");
+    throw InputError(std::string("the distance needs two surfaces, but the ") +
+                     (a.n_faces() == 0 ? "first" : "second") + " one has no faces");
   }
   if (options.bound_tolerance && !(*options.bound_tolerance > 0 && *options.bound_tolerance < 1)) {
     throw OptionError("bound_tolerance must lie between 0 and 1");
@@ -284,7 +291,8 @@ MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const 
   const double area = first.area + second.area;
   if (area > 0) {
     distance.rms = std::sqrt((first.area * distance.forward.rms * distance.forward.rms +
-                              second.area * distance.backward.rms * distance.backward.rms) / area);
+                              second.area * distance.backward.rms * distance.backward.rms) /
+                             area);
     distance.samples_per_unit_area = 2 * static_cast<double>(options.samples) / area;
   }
   if (!options.bound_tolerance) return distance;

@@ -9,21 +9,22 @@
 namespace recede {
 
 struct DistanceOptions {
-  /// Sample points per surface, spread evenly by area (one stratified sequence per triangle) beside all vertices.
+  /// Sample points per surface, spread evenly by area (one stratified sequence per triangle) beside all
+  /// vertices.
   std::size_t samples = 200'000;
-  /// Width of the certified interval relative to its upper end: `max_bound - max_lower <= tolerance * max_bound`.
-  /// Unset: no certified bound is computed.
+  /// Width of the certified interval relative to its upper end: `max_bound - max_lower <= tolerance *
+  /// max_bound`. Unset: no certified bound is computed.
   std::optional<double> bound_tolerance;
-  /// A certified bound never gets finer than this times the diagonal of both surfaces' box; below that, distances
-  /// are noise of double precision.
+  /// A certified bound never gets finer than this times the diagonal of both surfaces' box; below that,
+  /// distances are noise of double precision.
   double relative_floor = 1e-12;
 };
 
 /// One direction: from points of one surface to the nearest point of the other. Lengths are object units.
 struct OneSidedDistance {
-  double max = 0;   ///< largest sampled distance: a lower bound of the true maximum
-  double rms = 0;   ///< square root of the area-weighted mean of the squared sampled distances
-  double mean = 0;  ///< area-weighted mean of the sampled distances
+  double max = 0;          ///< largest sampled distance: a lower bound of the true maximum
+  double rms = 0;          ///< square root of the area-weighted mean of the squared sampled distances
+  double mean = 0;         ///< area-weighted mean of the sampled distances
   Vec3 at = Vec3::Zero();  ///< where `max` was seen
 };
 
@@ -40,8 +41,9 @@ struct MeshDistance {
   double samples_per_unit_area = 0;  ///< sampling density, vertices left out; points per square unit
 };
 
-/// Two-sided distance between two polygon surfaces. Polygons with more than three sides stand for the triangles of
-/// `triangulate`. Throws `InputError` when either has no faces. Same result for any number of threads.
+/// Two-sided distance between two polygon surfaces. Polygons with more than three sides stand for the
+/// triangles of `triangulate`. Throws `InputError` when either has no faces. Same result for any number of
+/// threads.
 MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options = {},
                               Progress* progress = nullptr);
 MeshDistance measure_distance(const PolygonMesh& a, const PolygonMesh& b, const DistanceOptions& options = {},

@@ -8,15 +8,16 @@
 
 namespace recede {
 
-/// What a file holds, nothing merged or dropped. Per-vertex texture coordinates and normals of formats without corner
-/// attributes are copied to the corners. Throws `InputError` with line or byte.
+/// What a file holds, nothing merged or dropped. Texture coordinates have v up, as in OBJ and PLY; glTF's are
+/// turned. Per-vertex texture coordinates and normals of formats without corner attributes are copied to the
+/// corners. Throws `InputError` with line or byte.
 PolygonSoup read_soup(const std::filesystem::path& path, Progress* progress = nullptr);
 
 /// `read_soup`, then `repair_to_polygon_mesh`; the report says what each step changed.
 MeshFromSoup read_mesh(const std::filesystem::path& path, Progress* progress = nullptr);
 
-/// How a mesh is written. Formats that can't hold something (n-gons in STL and glTF, names in STL) write what they can
-/// and `written_without` says in words what is missing.
+/// How a mesh is written. Formats that can't hold something (n-gons in STL and glTF, names in STL) write what
+/// they can and `written_without` says in words what is missing.
 struct WriteResult {
   std::uintmax_t bytes = 0;
   std::vector<std::string> written_without;
@@ -27,8 +28,14 @@ struct WriteOptions {
   bool double_precision = true;  ///< binary PLY: 8-byte positions
 };
 
+/// Throws `InputError` when `path` can't become a mesh file: unknown extension, a folder of that name, or no
+/// folder to be in. For programs that work long before they write.
+void check_mesh_path(const std::filesystem::path& path);
+
 /// Writes beside the target and renames, so that no half-written file is ever seen.
-WriteResult write_soup(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions& options = {});
-WriteResult write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh, const WriteOptions& options = {});
+WriteResult write_soup(const std::filesystem::path& path, const PolygonSoup& soup,
+                       const WriteOptions& options = {});
+WriteResult write_mesh(const std::filesystem::path& path, const PolygonMesh& mesh,
+                       const WriteOptions& options = {});
 
 }  // namespace recede

@@ -67,7 +67,8 @@ std::vector<Index> fans(const PolygonSoup& soup, const EdgeTable& edges) {
 }
 
 /// Feature edges of split vertices hold for every copy: named again through the sides that lie on them.
-void refresh_feature_edges(PolygonSoup& soup, const EdgeTable& edges, const std::vector<Index>& old_vertices) {
+void refresh_feature_edges(PolygonSoup& soup, const EdgeTable& edges,
+                           const std::vector<Index>& old_vertices) {
   if (soup.feature_edges.empty()) return;
   auto marked = soup.feature_edges;
   for (auto& [a, b] : marked) {
@@ -116,14 +117,17 @@ RepairStep split_non_manifold(PolygonSoup& soup) {
   }
   if (step.changed == 0) return step;
   refresh_feature_edges(soup, edges, old_vertices);
-  step.detail = fmt::format("added {} copies of vertices; opened {} edges that more than two faces, or two faces of "
-                            "opposite orientation, share", step.changed, opened);
+  step.detail = fmt::format(
+      "added {} copies of vertices; opened {} edges that more than two faces, or two faces of "
+      "opposite orientation, share",
+      step.changed, opened);
   return step;
 }
 
 namespace {
 
-/// Fills a half-edge mesh from whole lists: half-edge 2e runs along the first side of edge e, 2e + 1 against it.
+/// Fills a half-edge mesh from whole lists: half-edge 2e runs along the first side of edge e, 2e + 1 against
+/// it.
 class MeshBuilder {
  public:
   explicit MeshBuilder(const PolygonSoup& soup) : soup_(soup), edges_(detail::build_edge_table(soup)) {}
@@ -181,7 +185,8 @@ class MeshBuilder {
     }
   }
 
-  /// Border half-edges run against the only side of their edge. A vertex of a border starts with its border half-edge.
+  /// Border half-edges run against the only side of their edge. A vertex of a border starts with its border
+  /// half-edge.
   void link_borders() {
     std::vector<Halfedge> border_from(soup_.positions.size());
     const auto each_border = [&](auto&& visit) {
@@ -223,11 +228,13 @@ class MeshBuilder {
     mesh_.materials = soup_.materials;
     if (!soup_.vertex_colors.empty()) {
       mesh_.add_vertex_colors();
-      for (const auto v : mesh_.vertices()) mesh_.vertex_color(v) = soup_.vertex_colors[static_cast<std::size_t>(v.idx())];
+      for (const auto v : mesh_.vertices())
+        mesh_.vertex_color(v) = soup_.vertex_colors[static_cast<std::size_t>(v.idx())];
     }
     if (!soup_.face_materials.empty()) {
       mesh_.add_face_materials();
-      for (const auto f : mesh_.faces()) mesh_.face_material(f) = soup_.face_materials[static_cast<std::size_t>(f.idx())];
+      for (const auto f : mesh_.faces())
+        mesh_.face_material(f) = soup_.face_materials[static_cast<std::size_t>(f.idx())];
     }
     if (!soup_.corner_uvs.empty()) mesh_.add_corner_uvs();
     if (!soup_.corner_normals.empty()) mesh_.add_corner_normals();

@@ -4,7 +4,8 @@
 
 #include <recede/geometry/polygon_soup.h>
 
-// clang-format off: EigenVectorT.hh specialises a template that it doesn't include.
+// EigenVectorT.hh specialises a template that it doesn't include, so the order matters.
+// clang-format off
 #include <OpenMesh/Core/Utils/vector_traits.hh>
 #include <OpenMesh/Core/Geometry/EigenVectorT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
@@ -21,9 +22,9 @@ struct PolygonMeshTraits : OpenMesh::DefaultTraits {
   HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge);
 };
 
-/// A half-edge mesh. All of OpenMesh's navigation is there (`vertices()`, `faces()`, `point(v)`, circulators).
-/// A corner is named by the half-edge that points at its vertex inside its face. Attributes exist after the
-/// matching `add_` call; reading an absent one is an error that an assertion catches.
+/// A half-edge mesh. All of OpenMesh's navigation is there (`vertices()`, `faces()`, `point(v)`,
+/// circulators). A corner is named by the half-edge that points at its vertex inside its face. Attributes
+/// exist after the matching `add_` call; reading an absent one is an error that an assertion catches.
 class PolygonMesh : public OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits> {
  public:
   using Kernel = OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits>;
@@ -66,13 +67,14 @@ class PolygonMesh : public OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits> {
   OpenMesh::EPropHandleT<unsigned char> edge_feature_;
 };
 
-/// Gives every fan of faces around a vertex a vertex of its own, so that a half-edge mesh can hold the soup: edges with
-/// more than two faces, or whose two faces disagree in orientation, are opened; vertices where several fans touch
-/// are duplicated. Copies stand at bit-equal positions behind the original vertices; `merge_identical_vertices`
-/// undoes the step, and simplification moves the copies as one.
+/// Gives every fan of faces around a vertex a vertex of its own, so that a half-edge mesh can hold the soup:
+/// edges with more than two faces, or whose two faces disagree in orientation, are opened; vertices where
+/// several fans touch are duplicated. Copies stand at bit-equal positions behind the original vertices;
+/// `merge_identical_vertices` undoes the step, and simplification moves the copies as one.
 RepairStep split_non_manifold(PolygonSoup& soup);
 
-/// The half-edge mesh of a soup that needs no split. Throws `InputError` for one that does (see `split_non_manifold`).
+/// The half-edge mesh of a soup that needs no split. Throws `InputError` for one that does (see
+/// `split_non_manifold`).
 PolygonMesh to_polygon_mesh(const PolygonSoup& soup);
 
 /// All steps: merge identical vertices, remove degenerate and duplicate faces, orient, split, build.
@@ -85,7 +87,8 @@ MeshFromSoup repair_to_polygon_mesh(PolygonSoup soup);
 /// The polygons of a mesh, vertices and faces in the mesh's order, each face starting at its half-edge.
 PolygonSoup to_soup(const PolygonMesh& mesh);
 
-/// Marks every edge whose faces' normals differ by more than `angle` (radians) as a feature edge. Returns their number.
+/// Marks every edge whose faces' normals differ by more than `angle` (radians) as a feature edge. Returns
+/// their number.
 std::size_t mark_feature_edges(PolygonMesh& mesh, double angle);
 
 /// Counts for people and tests.

@@ -66,8 +66,8 @@ void validate(const PolygonSoup& soup, const std::string& source) {
   check_finite(soup.vertex_colors, source, "the colour of vertex");
   for (const Index material : soup.face_materials) {
     if (material != k_no_index && material >= soup.materials.size()) {
-      throw InputError::in_file(source, fmt::format("a face names material {}, but there are {}", material,
-                                                    soup.materials.size()));
+      throw InputError::in_file(
+          source, fmt::format("a face names material {}, but there are {}", material, soup.materials.size()));
     }
   }
   for (const auto& [a, b] : soup.feature_edges) {

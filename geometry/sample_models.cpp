@@ -15,8 +15,8 @@ bool lexicographically_less(const Vec3& a, const Vec3& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
 }
 
-/// Point of a cubic Bezier curve at i/n. Evaluated from the lower end on, so that a curve and its reverse give the
-/// same bits.
+/// Point of a cubic Bezier curve at i/n. Evaluated from the lower end on, so that a curve and its reverse
+/// give the same bits.
 Vec3 evaluate(Curve c, std::size_t i, std::size_t n) {
   // A side that has shrunk to a point is that point, to the bit.
   if (c[0] == c[1] && c[0] == c[2] && c[0] == c[3]) return c[0];
@@ -32,14 +32,17 @@ Vec3 evaluate(Curve c, std::size_t i, std::size_t n) {
 struct Patch {
   std::array<Vec3, 16> points;
 
-  Curve row(std::size_t i) const { return {points[4 * i], points[4 * i + 1], points[4 * i + 2], points[4 * i + 3]}; }
+  Curve row(std::size_t i) const {
+    return {points[4 * i], points[4 * i + 1], points[4 * i + 2], points[4 * i + 3]};
+  }
   Curve column(std::size_t j) const { return {points[j], points[4 + j], points[8 + j], points[12 + j]}; }
   Vec3 at(std::size_t i, std::size_t j, std::size_t n) const {
     // Borders by their own four control points alone.
     if (i == 0 || i == n) return evaluate(row(i == 0 ? 0 : 3), j, n);
     if (j == 0 || j == n) return evaluate(column(j == 0 ? 0 : 3), i, n);
     return evaluate({evaluate(column(0), i, n), evaluate(column(1), i, n), evaluate(column(2), i, n),
-                     evaluate(column(3), i, n)}, j, n);
+                     evaluate(column(3), i, n)},
+                    j, n);
   }
 };
 
@@ -67,7 +70,8 @@ std::vector<Vec3> vertex_normals(const PolygonSoup& soup) {
 double relief_noise(const Vec3& p, double frequency) {
   const Vec3 q = 2 * std::numbers::pi * frequency * p;
   return (std::sin(q.x() + 0.7 * std::sin(1.7 * q.y())) + std::sin(q.y() + 0.7 * std::sin(1.7 * q.z())) +
-          std::sin(q.z() + 0.7 * std::sin(1.7 * q.x()))) / 3;
+          std::sin(q.z() + 0.7 * std::sin(1.7 * q.x()))) /
+         3;
 }
 
 }  // namespace
@@ -82,7 +86,9 @@ PolygonSoup make_teapot(std::size_t quads_per_side, double relief) {
     for (std::size_t i = 0; i <= n; ++i) {
       for (std::size_t j = 0; j <= n; ++j) soup.positions.push_back(patch.at(i, j, n));
     }
-    const auto vertex = [&](std::size_t i, std::size_t j) { return static_cast<Index>(base + i * (n + 1) + j); };
+    const auto vertex = [&](std::size_t i, std::size_t j) {
+      return static_cast<Index>(base + i * (n + 1) + j);
+    };
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = 0; j < n; ++j) {
         soup.add_face(std::array{vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i + 1, j)});
@@ -118,7 +124,8 @@ double ridges(const Vec3& p) {
 
 PolygonSoup make_displaced_sphere(std::size_t faces, bool triangles) {
   const double per_cell = triangles ? 12 : 6;
-  const auto n = static_cast<Index>(std::max(1.0, std::ceil(std::sqrt(static_cast<double>(faces) / per_cell))));
+  const auto n =
+      static_cast<Index>(std::max(1.0, std::ceil(std::sqrt(static_cast<double>(faces) / per_cell))));
   PolygonSoup soup;
   for (int side = 0; side < 6; ++side) {
     const int axis = side / 2, sign = side % 2 == 0 ? 1 : -1;

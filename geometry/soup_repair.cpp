@@ -1,4 +1,5 @@
-// The named repair steps. Each works on the whole soup, keeps attribute lists in step and reports what it changed.
+// The named repair steps. Each works on the whole soup, keeps attribute lists in step and reports what it
+// changed.
 #include <recede/geometry/detail/edge_table.h>
 #include <recede/geometry/polygon_soup.h>
 
@@ -13,7 +14,8 @@ namespace recede {
 namespace {
 
 /// Keeps the listed corners and faces of every attribute list.
-/// `corners` are old corner numbers in new order; `offsets` are the new face offsets; `faces` the old face of each new one.
+/// `corners` are old corner numbers in new order; `offsets` are the new face offsets; `faces` the old face of
+/// each new one.
 void keep_corners(PolygonSoup& soup, const std::vector<Index>& corners, std::vector<Index> offsets,
                   const std::vector<Index>& faces) {
   const auto gather = [](auto& list, const std::vector<Index>& from) {
@@ -54,14 +56,16 @@ std::uint64_t hash_position(const Vec3& p) {
   return hash;
 }
 
-/// For each vertex the lowest vertex at the same position. Open addressing over a flat table: no allocation per vertex.
+/// For each vertex the lowest vertex at the same position. Open addressing over a flat table: no allocation
+/// per vertex.
 std::vector<Index> lowest_at_same_position(const std::vector<Vec3>& positions) {
   const std::size_t capacity = std::bit_ceil(2 * positions.size() + 1);
   std::vector<Index> slots(capacity, k_no_index);
   std::vector<Index> lowest(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
     std::size_t slot = hash_position(positions[v]) & (capacity - 1);
-    while (slots[slot] != k_no_index && positions[slots[slot]] != positions[v]) slot = (slot + 1) & (capacity - 1);
+    while (slots[slot] != k_no_index && positions[slots[slot]] != positions[v])
+      slot = (slot + 1) & (capacity - 1);
     if (slots[slot] == k_no_index) slots[slot] = static_cast<Index>(v);
     lowest[v] = slots[slot];
   }
@@ -90,7 +94,8 @@ void renumber_vertices(PolygonSoup& soup, const std::vector<Index>& target, cons
 
 /// Splits a closed walk over vertices into loops that visit no vertex twice; repeated neighbours vanish.
 /// Entries are corner numbers; loops shorter than three corners are left out.
-void split_into_simple_loops(const PolygonSoup& soup, std::size_t face, std::vector<std::vector<Index>>& loops) {
+void split_into_simple_loops(const PolygonSoup& soup, std::size_t face,
+                             std::vector<std::vector<Index>>& loops) {
   std::vector<Index> walk;
   for (Index c = soup.face_offsets[face]; c < soup.face_offsets[face + 1]; ++c) {
     const Index vertex = soup.corner_vertices[c];
@@ -115,7 +120,8 @@ bool visits_vertex_twice(std::span<const Index> face) {
   return false;
 }
 
-/// The vertices of a face from its lowest one on: equal for faces that are the same up to their starting corner.
+/// The vertices of a face from its lowest one on: equal for faces that are the same up to their starting
+/// corner.
 std::vector<Index> rotated_to_lowest(std::span<const Index> face) {
   std::vector<Index> vertices(face.begin(), face.end());
   std::rotate(vertices.begin(), std::min_element(vertices.begin(), vertices.end()), vertices.end());
@@ -138,7 +144,8 @@ RepairStep merge_identical_vertices(PolygonSoup& soup) {
   if (step.changed == 0) return step;
   renumber_vertices(soup, target, kept);
   step.detail = fmt::format("merged {} vertices into others at the same position", step.changed);
-  if (recoloured > 0) step.detail += fmt::format("; {} of them had another colour, which is lost", recoloured);
+  if (recoloured > 0)
+    step.detail += fmt::format("; {} of them had another colour, which is lost", recoloured);
   return step;
 }
 
@@ -169,8 +176,10 @@ RepairStep remove_degenerate_faces(PolygonSoup& soup) {
   step.changed = removed + split + shortened;
   if (step.changed == 0) return step;
   keep_corners(soup, corners, std::move(offsets), faces);
-  step.detail = fmt::format("removed {} faces with fewer than 3 different vertices, shortened {}, split {} that "
-                            "visit a vertex twice", removed, shortened, split);
+  step.detail = fmt::format(
+      "removed {} faces with fewer than 3 different vertices, shortened {}, split {} that "
+      "visit a vertex twice",
+      removed, shortened, split);
   return step;
 }
 
@@ -232,7 +241,8 @@ RepairStep remove_unreferenced_vertices(PolygonSoup& soup) {
 
 namespace {
 
-/// Faces connected over two-sided edges, walked breadth-first; `flip` says relative to the first face of the part.
+/// Faces connected over two-sided edges, walked breadth-first; `flip` says relative to the first face of the
+/// part.
 struct OrientationWalk {
   const PolygonSoup& soup;
   const detail::EdgeTable& edges;
@@ -293,7 +303,8 @@ RepairStep orient_consistently(PolygonSoup& soup) {
   }
   for (const Index face : to_flip) reverse_face(soup, face);
   step.changed = to_flip.size();
-  if (step.changed > 0) step.detail = fmt::format("turned over {} faces to agree with their neighbours", step.changed);
+  if (step.changed > 0)
+    step.detail = fmt::format("turned over {} faces to agree with their neighbours", step.changed);
   return step;
 }
 

@@ -29,7 +29,8 @@ PlanePolygon project(const PolygonSoup& soup, std::span<const Index> face, const
   return polygon;
 }
 
-/// Ratio of twice the area to the square of the longest side; negative for a triangle that turns the wrong way.
+/// Ratio of twice the area to the square of the longest side; negative for a triangle that turns the wrong
+/// way.
 double shape_quality(const PlanePolygon& polygon, std::size_t a, std::size_t b, std::size_t c) {
   const double longest = std::max({(polygon.points[a] - polygon.points[b]).squaredNorm(),
                                    (polygon.points[b] - polygon.points[c]).squaredNorm(),
@@ -51,8 +52,8 @@ bool contains_other(const PlanePolygon& polygon, const std::vector<std::size_t>&
 
 using LocalTriangle = std::array<std::size_t, 3>;
 
-/// Clips the best-shaped ear until three corners are left. A polygon that crosses itself has no ear at some point;
-/// then the corner that turns most strongly goes first, so that every corner stays covered.
+/// Clips the best-shaped ear until three corners are left. A polygon that crosses itself has no ear at some
+/// point; then the corner that turns most strongly goes first, so that every corner stays covered.
 void clip_ears(const PlanePolygon& polygon, std::vector<LocalTriangle>& triangles) {
   std::vector<std::size_t> loop(polygon.points.size());
   for (std::size_t i = 0; i < loop.size(); ++i) loop[i] = i;

@@ -1,5 +1,5 @@
-// The link condition follows Dey, Edelsbrunner, Guha, Nekhayev 1999 in its form for polygons: the ends of the edge share no
-// neighbours but the third corners of triangles on it.
+// The link condition follows Dey, Edelsbrunner, Guha, Nekhayev 1999 in its form for polygons: the ends of the
+// edge share no neighbours but the third corners of triangles on it.
 #include <recede/lod/detail/collapse_rules.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ void EdgeRings::gather(const CornerTable& table, Index removed_point, Index kept
   gather_ring(table, kept_point, removed_point, kept);
 }
 
-Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a, Index moved_b, const Vec3& position) {
+Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a, Index moved_b,
+                       const Vec3& position) {
   const auto at = [&](Index corner) -> const Vec3& {
     const Index p = table.point[corner];
     return p == moved_a || p == moved_b ? position : table.positions[p];
@@ -134,16 +135,17 @@ bool CollapseRules::breaks_link(const EdgeRings& rings, const Collapse& collapse
 /// A triangle with creases on two sides would make them one line.
 bool CollapseRules::closes_crease(const Collapse& collapse) const {
   return std::any_of(thirds_.begin(), thirds_.end(), [&](Index third) {
-    return table_.classes[third] != PointClass::smooth && table_.classes[collapse.removed] != PointClass::smooth &&
+    return table_.classes[third] != PointClass::smooth &&
+           table_.classes[collapse.removed] != PointClass::smooth &&
            table_.edge_kind(collapse.removed, third) != k_smooth_edge &&
            table_.edge_kind(collapse.kept, third) != k_smooth_edge;
   });
 }
 
 bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& collapse) {
-  // After the collapse, twins at the new point have the same two neighbours. Faces of different rings share none but third
-  // corners, so on triangle meshes most are out at once; a larger polygon that is shortened brings neighbours of
-  // both ends together.
+  // After the collapse, twins at the new point have the same two neighbours. Faces of different rings share
+  // none but third corners, so on triangle meshes most are out at once; a larger polygon that is shortened
+  // brings neighbours of both ends together.
   shapes_.clear();
   const bool shortens = std::any_of(rings.removed.begin(), rings.removed.end(),
                                     [](const RingCorner& c) { return c.on_edge && c.size > 3; });
@@ -164,7 +166,8 @@ bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& coll
   const auto vertices = [&](Index face) {
     std::vector<Index> points;
     for (Index i = 0, c = table_.face_corner[face]; i < table_.face_size[face]; ++i, c = table_.next[c]) {
-      if (table_.point[c] != collapse.removed && table_.point[c] != collapse.kept) points.push_back(table_.point[c]);
+      if (table_.point[c] != collapse.removed && table_.point[c] != collapse.kept)
+        points.push_back(table_.point[c]);
     }
     std::sort(points.begin(), points.end());
     return points;
@@ -179,8 +182,8 @@ bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& coll
   return false;
 }
 
-/// True when a corner of a polygon with more than three sides begins to turn the wrong way: the vector area alone
-/// doesn't see a polygon that crosses itself.
+/// True when a corner of a polygon with more than three sides begins to turn the wrong way: the vector area
+/// alone doesn't see a polygon that crosses itself.
 bool CollapseRules::turns_corner(const RingCorner& corner, Index moved, const Collapse& collapse,
                                  const Vec3& normal_before, const Vec3& normal_after) const {
   const auto place = [&](Index p, bool after) -> const Vec3& {
@@ -219,8 +222,9 @@ std::optional<Refusal> CollapseRules::shape_refusal(const RingCorner& corner, In
     longest = std::max((q - collapse.position).squaredNorm(), (p - collapse.position).squaredNorm());
   } else {
     before = twice_vector_area(table_, corner.face);
-    after = corner.on_edge ? twice_vector_area(table_, corner.face, collapse.removed, collapse.kept, collapse.position)
-                           : twice_vector_area(table_, corner.face, moved, k_no_index, collapse.position);
+    after = corner.on_edge
+                ? twice_vector_area(table_, corner.face, collapse.removed, collapse.kept, collapse.position)
+                : twice_vector_area(table_, corner.face, moved, k_no_index, collapse.position);
     for (const Index p : {corner.before, corner.after}) {
       longest = std::max(longest, (table_.positions[p] - collapse.position).squaredNorm());
     }

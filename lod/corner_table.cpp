@@ -12,7 +12,8 @@ struct SharedSide {
   Index at_a, at_b;
 };
 
-/// Calls `visit(SharedSide)` for every face that has the edge a-b. `at_a` is the corner of a, whichever way the side runs.
+/// Calls `visit(SharedSide)` for every face that has the edge a-b. `at_a` is the corner of a, whichever way
+/// the side runs.
 template <typename Visit>
 void each_shared_side(const CornerTable& table, Index a, Index b, Visit&& visit) {
   table.each_corner(a, [&](Index corner) {
@@ -42,7 +43,8 @@ unsigned CornerTable::edge_kind(Index a, Index b) const {
       kind |= k_material_edge;
     }
     if (wedge.empty()) return;
-    for (const auto& [x, y] : {std::pair{wedge[side.at_a], wedge[first.at_a]}, {wedge[side.at_b], wedge[first.at_b]}}) {
+    for (const auto& [x, y] :
+         {std::pair{wedge[side.at_a], wedge[first.at_a]}, {wedge[side.at_b], wedge[first.at_b]}}) {
       if (x == y) continue;
       if (wedges[x].uv != wedges[y].uv) kind |= k_uv_seam_edge;
       if (wedges[x].normal != wedges[y].normal) kind |= k_normal_seam_edge;
@@ -173,19 +175,21 @@ class TableBuilder {
     }
   }
 
-  /// Number of fans of faces around a point: its neighbours fall into that many sets when each corner joins the two
-  /// beside it.
+  /// Number of fans of faces around a point: its neighbours fall into that many sets when each corner joins
+  /// the two beside it.
   std::size_t count_fans(const std::vector<Index>& neighbours, const std::vector<Index>& corners) {
     parents_.resize(neighbours.size());
     std::iota(parents_.begin(), parents_.end(), Index{0});
     const auto root_of = [&](Index q) {
-      auto i = static_cast<Index>(std::lower_bound(neighbours.begin(), neighbours.end(), q) - neighbours.begin());
+      auto i =
+          static_cast<Index>(std::lower_bound(neighbours.begin(), neighbours.end(), q) - neighbours.begin());
       while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
       return i;
     };
     std::size_t fans = neighbours.size();
     for (const Index corner : corners) {
-      const Index x = root_of(table_.point[table_.next[corner]]), y = root_of(table_.point[table_.previous(corner)]);
+      const Index x = root_of(table_.point[table_.next[corner]]),
+                  y = root_of(table_.point[table_.previous(corner)]);
       if (x == y) continue;
       parents_[x] = y;
       --fans;
@@ -260,7 +264,8 @@ class WedgeMap {
       if (size_ == pairs_.size() || find(from) != k_no_index) return;
       pairs_[size_++] = {from, to};
       // At the kept point nothing changes: the bits of its attributes stay.
-      if (collapse.share < 1) table.wedges[to] = interpolate(table.wedges[from], table.wedges[to], collapse.share);
+      if (collapse.share < 1)
+        table.wedges[to] = interpolate(table.wedges[from], table.wedges[to], collapse.share);
     });
   }
 
@@ -398,13 +403,15 @@ PolygonSoup to_soup(const CornerTable& table) {
       if (table.has_uvs) soup.corner_uvs.push_back(table.wedges[table.wedge[c]].uv);
       if (table.has_normals) soup.corner_normals.push_back(table.wedges[table.wedge[c]].normal);
       if (table.feature.empty() || table.feature[c] == 0) continue;
-      soup.feature_edges.emplace_back(std::minmax(vertex[table.point[c]], vertex[table.point[table.next[c]]]));
+      soup.feature_edges.emplace_back(
+          std::minmax(vertex[table.point[c]], vertex[table.point[table.next[c]]]));
     }
     soup.face_offsets.push_back(static_cast<Index>(soup.corner_vertices.size()));
     if (!table.face_material.empty()) soup.face_materials.push_back(table.face_material[f]);
   }
   std::sort(soup.feature_edges.begin(), soup.feature_edges.end());
-  soup.feature_edges.erase(std::unique(soup.feature_edges.begin(), soup.feature_edges.end()), soup.feature_edges.end());
+  soup.feature_edges.erase(std::unique(soup.feature_edges.begin(), soup.feature_edges.end()),
+                           soup.feature_edges.end());
   soup.materials = table.materials;
   return soup;
 }

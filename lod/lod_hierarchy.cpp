@@ -38,7 +38,8 @@ void check_list(const std::vector<double>& values, const char* name, InOrder in_
 }
 
 void check(const HierarchyOptions& options) {
-  const int ways = int(!options.ratios.empty()) + int(!options.errors.empty()) + int(!options.distances.empty());
+  const int ways =
+      int(!options.ratios.empty()) + int(!options.errors.empty()) + int(!options.distances.empty());
   require(ways == 1, "levels are chosen by exactly one of ratios, errors and distances");
   check_list(options.ratios, "ratios", std::greater<>(), "decrease");
   check_list(options.errors, "errors", std::less<>(), "increase");
@@ -46,7 +47,8 @@ void check(const HierarchyOptions& options) {
   require(options.ratios.empty() || options.ratios.front() < 1, "ratios must be below 1");
   const ViewSettings& view = options.view;
   require(view.image_height >= 1, "the image height must be at least one pixel");
-  require(view.field_of_view > 0 && view.field_of_view < 3.14159, "the field of view must lie between 0 and pi");
+  require(view.field_of_view > 0 && view.field_of_view < 3.14159,
+          "the field of view must lie between 0 and pi");
   require(view.pixel_error > 0, "the pixel error must be positive");
   require(options.measure.bound_tolerance.has_value(), "a hierarchy needs a certified bound");
 }
@@ -92,7 +94,8 @@ class HierarchyBuilder {
   void add_levels_by_ratio() {
     std::vector<SimplifyTarget> targets;
     for (const double ratio : options_.ratios) targets.push_back({.ratio = ratio});
-    for (SimplifyResult& result : simplify_levels(mesh_, targets, options_.simplify, progress_)) add_level(std::move(result));
+    for (SimplifyResult& result : simplify_levels(mesh_, targets, options_.simplify, progress_))
+      add_level(std::move(result));
   }
 
   void add_levels_by_error() {
@@ -107,8 +110,8 @@ class HierarchyBuilder {
     }
   }
 
-  /// The coarsest of a few simplifications whose certified bound keeps the limit. The estimate that simplification
-  /// stops at and the bound grow together, so their ratio in one try gives the next.
+  /// The coarsest of a few simplifications whose certified bound keeps the limit. The estimate that
+  /// simplification stops at and the bound grow together, so their ratio in one try gives the next.
   LodLevel search_level(double limit, Progress* progress) {
     constexpr int k_tries = 6;
     constexpr double k_close_enough = 0.8;  // of the limit
@@ -159,8 +162,8 @@ class HierarchyBuilder {
     hierarchy_.levels.push_back(measured_level(std::move(result), &progress));
   }
 
-  /// Distances count from the nearest point of the bounding sphere, where an error looks largest, and never fall
-  /// from one level to the next.
+  /// Distances count from the nearest point of the bounding sphere, where an error looks largest, and never
+  /// fall from one level to the next.
   void set_switch_distances() {
     double previous = 0;
     for (LodLevel& level : hierarchy_.levels) {
@@ -183,8 +186,8 @@ class HierarchyBuilder {
 
 }  // namespace
 
-LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name, const HierarchyOptions& options,
-                             Progress* progress) {
+LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
+                             const HierarchyOptions& options, Progress* progress) {
   check(options);
   if (mesh.n_faces() == 0) throw InputError(name + ": a hierarchy needs a mesh with faces");
   return HierarchyBuilder(mesh, options, progress).build(name);

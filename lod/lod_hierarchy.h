@@ -12,9 +12,9 @@ namespace recede {
 
 /// The view for which switch distances are computed.
 struct ViewSettings {
-  double image_height = 1080;      ///< pixels
+  double image_height = 1080;                ///< pixels
   double field_of_view = 0.785398163397448;  ///< vertical, radians (45 degrees)
-  double pixel_error = 1;          ///< error that a level may show, pixels
+  double pixel_error = 1;                    ///< error that a level may show, pixels
 };
 
 /// Object-space length that one pixel covers at `distance` (object units).
@@ -32,48 +32,50 @@ struct LevelError {
 struct LodLevel {
   PolygonMesh mesh{};
   LevelError error{};
-  double switch_distance = 0;  ///< from the certified bound; this level serves from here on, object units
-  double screen_coverage = 1;  ///< share of the image height that the bounding sphere covers there, 0 to 1
-  double simplify_seconds = 0; ///< from the start of the run to this level
+  double switch_distance = 0;   ///< from the certified bound; this level serves from here on, object units
+  double screen_coverage = 1;   ///< share of the image height that the bounding sphere covers there, 0 to 1
+  double simplify_seconds = 0;  ///< from the start of the run to this level
   double measure_seconds = 0;
-  std::string stop_reason{};   ///< empty for level 0
+  std::string stop_reason{};  ///< empty for level 0
 };
 
 struct LodHierarchy {
   std::string name;
   ViewSettings view;
-  Vec3 center = Vec3::Zero();  ///< of the bounding sphere of level 0
-  double radius = 0;           ///< of that sphere
+  Vec3 center = Vec3::Zero();    ///< of the bounding sphere of level 0
+  double radius = 0;             ///< of that sphere
   std::vector<LodLevel> levels;  ///< finest first; level 0 is the input
 };
 
 struct HierarchyOptions {
   /// Exactly one of the three ways to choose levels; the input itself is always level 0 and not named here.
-  std::vector<double> ratios;     ///< face counts as shares of the input, decreasing, each in (0, 1)
-  std::vector<double> errors;     ///< certified bounds that the levels must keep, increasing, object units
-  std::vector<double> distances;  ///< camera distances, increasing, object units: error = what `view` permits there
+  std::vector<double> ratios;  ///< face counts as shares of the input, decreasing, each in (0, 1)
+  std::vector<double> errors;  ///< certified bounds that the levels must keep, increasing, object units
+  std::vector<double>
+      distances;  ///< camera distances, increasing, object units: error = what `view` permits there
   ViewSettings view;
-  SimplifyOptions simplify;       ///< `target` is ignored
+  SimplifyOptions simplify;  ///< `target` is ignored
   /// Measurement of each level. `bound_tolerance` may not be unset here.
   DistanceOptions measure{.samples = 100'000, .bound_tolerance = 0.1};
 };
 
-/// Builds and measures the levels. With `errors` or `distances`, each level is the coarsest that a search of at most
-/// six simplifications finds whose certified bound keeps the limit; a limit that no simplification keeps gives a copy of
-/// the level before. Throws `OptionError` for options out of range.
-LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name, const HierarchyOptions& options,
-                             Progress* progress = nullptr);
+/// Builds and measures the levels. With `errors` or `distances`, each level is the coarsest that a search of
+/// at most six simplifications finds whose certified bound keeps the limit; a limit that no simplification
+/// keeps gives a copy of the level before. Throws `OptionError` for options out of range.
+LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
+                             const HierarchyOptions& options, Progress* progress = nullptr);
 
 /// Files that were written.
 struct HierarchyFiles {
-  std::filesystem::path glb;                     ///< all levels, MSFT_lod and MSFT_screencoverage
-  std::filesystem::path folder;                  ///< the hierarchy's own data: hierarchy.json and one PLY per level
+  std::filesystem::path glb;     ///< all levels, MSFT_lod and MSFT_screencoverage
+  std::filesystem::path folder;  ///< the hierarchy's own data: hierarchy.json and one PLY per level
   std::vector<std::filesystem::path> level_files;
   std::vector<std::uintmax_t> level_bytes;
 };
 
-/// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds polygons in
-/// double precision and can be read back.
+/// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds
+/// polygons in double precision and can be read back. Same bytes for the same levels: the seconds that they
+/// took aren't in the files.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`. Throws `InputError`.

@@ -4,10 +4,9 @@
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 namespace recede {
 
@@ -18,8 +17,8 @@ namespace {
 
 constexpr int k_format_version = 1;
 
-/// MSFT_lod: the finest level's node names the others. MSFT_screencoverage: below entry i, level i + 1 serves; the
-/// last entry is the coverage below which nothing is drawn, which this hierarchy leaves at 0.
+/// MSFT_lod: the finest level's node names the others. MSFT_screencoverage: below entry i, level i + 1
+/// serves; the last entry is the coverage below which nothing is drawn, which this hierarchy leaves at 0.
 std::string to_glb(const LodHierarchy& hierarchy) {
   GltfBuilder builder;
   nlohmann::json ids = nlohmann::json::array(), coverage = nlohmann::json::array();
@@ -50,15 +49,14 @@ Json to_json(const LodLevel& level, const std::string& file) {
           {"error", {{"max", level.error.max}, {"rms", level.error.rms}, {"bound", level.error.bound}}},
           {"switch_distance", level.switch_distance},
           {"screen_coverage", level.screen_coverage},
-          {"simplify_seconds", level.simplify_seconds},
-          {"measure_seconds", level.measure_seconds},
           {"stop_reason", level.stop_reason}};
 }
 
 /// A folder that takes its final name only when everything in it was written.
 class StagedFolder {
  public:
-  explicit StagedFolder(fs::path target) : target_(std::move(target)), stage_(target_.string() + suffix(".part")) {
+  explicit StagedFolder(fs::path target)
+      : target_(std::move(target)), stage_(target_.string() + suffix(".part")) {
     std::error_code failed;
     fs::create_directories(stage_, failed);
     if (failed) throw InputError::in_file(stage_.string(), failed.message());
@@ -72,13 +70,17 @@ class StagedFolder {
 
   const fs::path& path() const { return stage_; }
 
-  /// Replaces an earlier folder of the same name.
+  /// Replaces an earlier folder of the same name; when that fails, the earlier one stays.
   void commit() {
     std::error_code failed;
     const fs::path old = target_.string() + suffix(".old");
     const bool replaces = fs::exists(target_);
     if (replaces) fs::rename(target_, old, failed);
-    if (!failed) fs::rename(stage_, target_, failed);
+    if (!failed) {
+      fs::rename(stage_, target_, failed);
+      std::error_code ignored;
+      if (failed && replaces) fs::rename(old, target_, ignored);
+    }
     if (failed) throw InputError::in_file(target_.string(), failed.message());
     if (replaces) fs::remove_all(old, failed);
   }
@@ -97,6 +99,7 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
   HierarchyFiles files;
   files.glb = folder / (hierarchy.name + ".glb");
   files.folder = folder / (hierarchy.name + ".recede");
+  if (fs::is_directory(files.glb)) throw InputError::in_file(files.glb.string(), "is a folder");
   StagedFolder staged(files.folder);
   Json levels = Json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
@@ -116,9 +119,8 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
                          {"radius", hierarchy.radius},
                          {"levels", levels}};
   write_file_atomically(staged.path() / "hierarchy.json", document.dump(2) + "\n");
-  const std::string glb = to_glb(hierarchy);
+  write_file_atomically(files.glb, to_glb(hierarchy));
   staged.commit();
-  write_file_atomically(files.glb, glb);
   return files;
 }
 
@@ -134,7 +136,8 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
     hierarchy.name = document.at("name");
     const Json& view = document.at("view");
     hierarchy.view = {view.at("image_height"), view.at("field_of_view"), view.at("pixel_error")};
-    for (Eigen::Index axis = 0; axis < 3; ++axis) hierarchy.center[axis] = document.at("center").at(static_cast<std::size_t>(axis));
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      hierarchy.center[axis] = document.at("center").at(static_cast<std::size_t>(axis));
     hierarchy.radius = document.at("radius");
     for (const Json& entry : document.at("levels")) {
       LodLevel level;
@@ -144,8 +147,6 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
       level.error = {error.at("max"), error.at("rms"), error.at("bound")};
       level.switch_distance = entry.at("switch_distance");
       level.screen_coverage = entry.at("screen_coverage");
-      level.simplify_seconds = entry.at("simplify_seconds");
-      level.measure_seconds = entry.at("measure_seconds");
       level.stop_reason = entry.at("stop_reason");
       hierarchy.levels.push_back(std::move(level));
     }

@@ -3,14 +3,15 @@
 // S. Ramsey, M. Bertram, C. Hansen: Simplification of Arbitrary Polyhedral Meshes. CGIM 2003.
 //
 // The source draws k edges at random for every collapse and takes the best. Drawing k of N edges with
-// replacement and taking the best is the same as taking the edge of rank N (1 - u^(1/k)) for a uniform u, so costs are kept
-// in rank order, brought up to date when a polygon near the edge changes, and one random number replaces k evaluations.
-// What the source leaves open: borders, seams and non-manifold edges collapse along themselves only, and there the
-// direction of the line counts like a normal; the link condition and the shape rules of all strategies apply.
+// replacement and taking the best is the same as taking the edge of rank N (1 - u^(1/k)) for a uniform u, so
+// costs are kept in rank order, brought up to date when a polygon near the edge changes, and one random
+// number replaces k evaluations. What the source leaves open: borders, seams and non-manifold edges collapse
+// along themselves only, and there the direction of the line counts like a normal; the link condition and the
+// shape rules of all strategies apply.
+#include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/polygon_normal.h>
 #include <recede/lod/detail/rank_buckets.h>
 #include <recede/lod/detail/simplifier.h>
-#include <recede/geometry/closest_point.h>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -26,8 +27,8 @@ namespace {
 /// Factor on the cost for each step of `polygon_loss`.
 constexpr double k_polygon_loss = 32;
 
-/// A point with more polygons than this is never removed: with so many around it, one of them would turn too far, and looking
-/// at all of them for every edge would take quadratic time.
+/// A point with more polygons than this is never removed: with so many around it, one of them would turn too
+/// far, and looking at all of them for every edge would take quadratic time.
 constexpr Index k_hub = 256;
 
 struct Edge {
@@ -44,16 +45,18 @@ struct EdgeCost {
 class NormalDeviationSimplifier final : public Simplifier {
  public:
   NormalDeviationSimplifier(CornerTable table, const SimplifyOptions& options)
-      : Simplifier(std::move(table), options, std::max(0.0, std::min(options.normal_threshold, k_least_cosine))),
+      : Simplifier(std::move(table), options,
+                   std::max(0.0, std::min(options.normal_threshold, k_least_cosine))),
         random_(options.seed),
         draws_(std::ceil(options.candidate_share * static_cast<double>(table_.n_alive_faces))),
         use_corner_normals_(options.polygon_normal == PolygonNormal::source && table_.has_normals) {
     altered_.resize(table_.face_corner.size());
     deviation_.resize(table_.positions.size(), 0);
     normals_.resize(table_.face_corner.size());
-    tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(normals_.size())), [&](const auto& range) {
-      for (Index f = range.begin(); f < range.end(); ++f) normals_[f] = normal(f, {});
-    });
+    tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(normals_.size())),
+                      [&](const auto& range) {
+                        for (Index f = range.begin(); f < range.end(); ++f) normals_[f] = normal(f, {});
+                      });
   }
 
  private:
@@ -143,7 +146,8 @@ Collapse NormalDeviationSimplifier::make_collapse(const Edge& edge, bool removes
   collapse.removed = removes_first ? edge.first : edge.second;
   collapse.kept = removes_first ? edge.second : edge.first;
   collapse.position = table_.positions[collapse.kept];
-  if (options_.placement != VertexPlacement::midpoint || !edge_freedom(table_, edge.first, edge.second).may_move) {
+  if (options_.placement != VertexPlacement::midpoint ||
+      !edge_freedom(table_, edge.first, edge.second).may_move) {
     return collapse;
   }
   collapse.position = 0.5 * (table_.positions[edge.first] + table_.positions[edge.second]);
@@ -157,7 +161,8 @@ double NormalDeviationSimplifier::cost_of(const Collapse& collapse) const {
   const auto look = [&](Index of, Index other, bool skip_edge_faces) {
     table_.each_corner(of, [&](Index corner) {
       const Index f = table_.face[corner];
-      const bool on_edge = table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
+      const bool on_edge =
+          table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
       if (on_edge && (skip_edge_faces || table_.face_size[f] == 3)) return;
       const Vec3& before = normals_[f];
       if (before.isZero(0)) return;
@@ -181,8 +186,11 @@ double NormalDeviationSimplifier::line_turn(const Collapse& collapse) const {
   const auto look = [&](Index end, Index other) {
     table_.each_corner(end, [&](Index corner) {
       for (const Index q : {table_.point[table_.next[corner]], table_.point[table_.previous(corner)]}) {
-        if (q == other || table_.classes[q] == PointClass::smooth || table_.edge_kind(end, q) == k_smooth_edge) continue;
-        const Vec3 &at_end = table_.positions[end], &at_q = table_.positions[q], &at_other = table_.positions[other];
+        if (q == other || table_.classes[q] == PointClass::smooth ||
+            table_.edge_kind(end, q) == k_smooth_edge)
+          continue;
+        const Vec3 &at_end = table_.positions[end], &at_q = table_.positions[q],
+                   &at_other = table_.positions[other];
         compare(at_q - at_end, at_q - collapse.position);
         // The collapsed piece itself becomes part of the line to q.
         compare(at_end - at_other, at_q - collapse.position);
@@ -206,7 +214,8 @@ EdgeCost NormalDeviationSimplifier::evaluate(const Edge& edge) const {
     if (cost < best.cost) best = {cost, false};
   }
   best.rank = std::max(0.0, best.cost);
-  if (options_.keep_polygons) best.rank *= std::pow(k_polygon_loss, polygon_loss(table_, edge.first, edge.second));
+  if (options_.keep_polygons)
+    best.rank *= std::pow(k_polygon_loss, polygon_loss(table_, edge.first, edge.second));
   return best;
 }
 
@@ -241,9 +250,12 @@ void NormalDeviationSimplifier::rank_all_edges() {
   ranked_ = std::make_unique<RankBuckets>(edges_.size());
   const double most = 1 - options_.normal_threshold;
   for (Index e = 0; e < edges_.size(); ++e) {
-    if (costs_[e].cost < most) ranked_->set(e, costs_[e].rank);
-    else if (costs_[e].cost <= 2) ++counts_.refused[Refusal::deviation];
-    else ++counts_.refused[Refusal::border];
+    if (costs_[e].cost < most)
+      ranked_->set(e, costs_[e].rank);
+    else if (costs_[e].cost <= 2)
+      ++counts_.refused[Refusal::deviation];
+    else
+      ++counts_.refused[Refusal::border];
   }
   stale_mark_.assign(edges_.size(), 0);
   stale_epoch_ = 0;
@@ -257,7 +269,8 @@ Index NormalDeviationSimplifier::draw() {
   return ranked_->at_rank(std::min(static_cast<std::size_t>(share * n), ranked_->size() - 1));
 }
 
-/// Distance of the removed place (and of the left one, when the kept point moves) to the polygons around the new point.
+/// Distance of the removed place (and of the left one, when the kept point moves) to the polygons around the
+/// new point.
 double NormalDeviationSimplifier::local_deviation(const Collapse& collapse) const {
   double deviation = 0;
   const auto from = [&](Index point) {
@@ -320,16 +333,18 @@ bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
 bool NormalDeviationSimplifier::is_eligible(const Edge& edge) const {
   bool eligible = true;
   const bool first_is_smaller = valence_[edge.first] <= valence_[edge.second];
-  const Index at = first_is_smaller ? edge.first : edge.second, other = first_is_smaller ? edge.second : edge.first;
+  const Index at = first_is_smaller ? edge.first : edge.second,
+              other = first_is_smaller ? edge.second : edge.first;
   table_.each_corner(at, [&](Index corner) {
-    const bool on_edge = table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
+    const bool on_edge =
+        table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
     if (on_edge && altered_[table_.face[corner]] != 0) eligible = false;
   });
   return eligible;
 }
 
-/// Costs depend on the polygons around both ends: those of every eligible edge at a corner of a changed polygon are
-/// computed anew.
+/// Costs depend on the polygons around both ends: those of every eligible edge at a corner of a changed
+/// polygon are computed anew.
 void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_faces) {
   ++stale_epoch_;
   stale_.clear();
@@ -356,8 +371,10 @@ void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_
   for (const Index edge : stale_) {
     if (!is_eligible(edges_[edge])) continue;
     costs_[edge] = evaluate(edges_[edge]);
-    if (costs_[edge].cost < most) ranked_->set(edge, costs_[edge].rank);
-    else ranked_->erase(edge);
+    if (costs_[edge].cost < most)
+      ranked_->set(edge, costs_[edge].rank);
+    else
+      ranked_->erase(edge);
   }
 }
 
@@ -383,7 +400,8 @@ std::size_t NormalDeviationSimplifier::pass(const Limits& limits, Progress* prog
 
 }  // namespace
 
-std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table, const SimplifyOptions& options) {
+std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table,
+                                                             const SimplifyOptions& options) {
   return std::make_unique<NormalDeviationSimplifier>(std::move(table), options);
 }
 

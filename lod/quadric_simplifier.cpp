@@ -1,11 +1,13 @@
 // Passes of independent collapses in the order of their quadric cost.
 //
-// M. Garland, P. Heckbert: Surface Simplification Using Quadric Error Metrics. SIGGRAPH 1997. (plane quadrics)
-// P. Lindstrom, G. Turk: Fast and Memory Efficient Polygonal Simplification. Visualization 1998. (volume preservation)
+// M. Garland, P. Heckbert: Surface Simplification Using Quadric Error Metrics. SIGGRAPH 1997. (plane
+// quadrics) P. Lindstrom, G. Turk: Fast and Memory Efficient Polygonal Simplification. Visualization 1998.
+// (volume preservation)
 //
-// One plane per polygon, weighted by the length of its vector area. Every pass ranks all edges, then walks them from the
-// cheapest on and collapses those whose ends no earlier collapse of the pass has moved. A pass ends at the cost that the last
-// collapse would have if all went in order, so that independence costs little quality.
+// One plane per polygon, weighted by the length of its vector area. Every pass ranks all edges, then walks
+// them from the cheapest on and collapses those whose ends no earlier collapse of the pass has moved. A pass
+// ends at the cost that the last collapse would have if all went in order, so that independence costs little
+// quality.
 #include <recede/lod/detail/quadric.h>
 #include <recede/lod/detail/simplifier.h>
 
@@ -20,13 +22,13 @@
 namespace recede::detail {
 namespace {
 
-/// Weight of a border's or crease's upright planes against that of the faces (both by area; a line's area is its
-/// squared length).
+/// Weight of a border's or crease's upright planes against that of the faces (both by area; a line's area is
+/// its squared length).
 constexpr double k_line_weight = 1.0;
 /// Pull towards the middle of the edge where the planes leave the position open, as a share of their weight.
 constexpr double k_regularization = 1e-7;
-/// A new vertex stays within this many edge lengths of the edge's middle: an ill-conditioned solve must not throw
-/// it out of its neighbourhood.
+/// A new vertex stays within this many edge lengths of the edge's middle: an ill-conditioned solve must not
+/// throw it out of its neighbourhood.
 constexpr double k_reach = 2.0;
 /// Share of all edges that one pass may collapse at most.
 constexpr double k_pass_share = 0.12;
@@ -34,7 +36,8 @@ constexpr double k_pass_share = 0.12;
 constexpr double k_grown = 1.2;
 /// Cosine between a polygon's normals before and after one collapse.
 constexpr double k_least_normal_cosine = 0.2;
-/// Weight of the squared edge length in the cost, per unit of area weight: orders what the planes don't tell apart.
+/// Weight of the squared edge length in the cost, per unit of area weight: orders what the planes don't tell
+/// apart.
 constexpr double k_length_weight = 1e-9;
 
 /// Factor on the cost for each step of `polygon_loss`.
@@ -87,7 +90,7 @@ class QuadricSimplifier final : public Simplifier {
   std::vector<Quadric> quadrics_;  // of each point, centred at it
   std::vector<Index> touched_;     // last pass in which the point was the result of a collapse
   EdgeRings rings_;
-  std::size_t last_refused_ = 0;   // candidates that the last pass refused
+  std::size_t last_refused_ = 0;  // candidates that the last pass refused
 };
 
 void QuadricSimplifier::add_planes() {
@@ -134,8 +137,9 @@ VolumeConstraint QuadricSimplifier::volume_constraint(Index first, Index second,
     const Vec3 v = at(of);
     table_.each_corner(of, [&](Index corner) {
       const Index before = table_.point[table_.previous(corner)], after = table_.point[table_.next[corner]];
-      // A polygon is seen as the ear at the moving corner and a remainder that stays. With the edge in it, the
-      // ear has four corners, before-first-second-after, and is met once, at the end where the edge leaves.
+      // A polygon is seen as the ear at the moving corner and a remainder that stays. With the edge in it,
+      // the ear has four corners, before-first-second-after, and is met once, at the end where the edge
+      // leaves.
       if (before == other) return;
       if (after == other) {
         const Index beyond = table_.point[table_.next[table_.next[corner]]];
@@ -157,7 +161,8 @@ VolumeConstraint QuadricSimplifier::volume_constraint(Index first, Index second,
 }
 
 /// Least value of the quadric among the positions that keep the volume.
-Vec3 QuadricSimplifier::best_position(const Quadric& sum, Index first, Index second, const Vec3& center) const {
+Vec3 QuadricSimplifier::best_position(const Quadric& sum, Index first, Index second,
+                                      const Vec3& center) const {
   Eigen::Matrix3d a = sum.matrix();
   const double pull = k_regularization * sum.weight;
   a.diagonal().array() += pull;
@@ -165,7 +170,8 @@ Vec3 QuadricSimplifier::best_position(const Quadric& sum, Index first, Index sec
   Vec3 x = solver.solve(-sum.b);
   // One step of refinement takes the pull out of the directions that the planes do determine.
   x -= solver.solve(sum.times(x) + sum.b);
-  const bool closed = table_.classes[first] == PointClass::smooth && table_.classes[second] == PointClass::smooth;
+  const bool closed =
+      table_.classes[first] == PointClass::smooth && table_.classes[second] == PointClass::smooth;
   if (closed) {
     const VolumeConstraint volume = volume_constraint(first, second, center);
     const Vec3 direction = solver.solve(volume.gradient);
@@ -185,12 +191,10 @@ Placement QuadricSimplifier::place(Index first, Index second) const {
   if (!freedom.allowed) return {};
   const Vec3 &p = table_.positions[first], &q = table_.positions[second];
   const Vec3 center = 0.5 * (p + q);
-  Quadric sum = quadrics_[first];
   // Both quadrics move to the middle of the edge, where the numbers are small.
-  Quadric moved;
-  moved.add(quadrics_[first], p - center);
-  moved.add(quadrics_[second], q - center);
-  sum = moved;
+  Quadric sum;
+  sum.add(quadrics_[first], p - center);
+  sum.add(quadrics_[second], q - center);
   const double length = (p - q).squaredNorm();
   Placement best;
   const bool ends_only = options_.placement == VertexPlacement::half_edge || !freedom.may_move;
@@ -198,10 +202,11 @@ Placement QuadricSimplifier::place(Index first, Index second) const {
     const Index removed = freedom.may_remove_first ? first : second;
     const Index kept = removed == first ? second : first;
     Vec3 x = options_.placement == VertexPlacement::midpoint ? Vec3(Vec3::Zero())
-                                                            : best_position(sum, first, second, center);
+                                                             : best_position(sum, first, second, center);
     if (x.allFinite() && x.squaredNorm() <= k_reach * k_reach * length) {
       const Vec3 along = table_.positions[kept] - table_.positions[removed];
-      const double share = length > 0 ? std::clamp((x + center - table_.positions[removed]).dot(along) / length, 0.0, 1.0) : 1;
+      const double share =
+          length > 0 ? std::clamp((x + center - table_.positions[removed]).dot(along) / length, 0.0, 1.0) : 1;
       best = {{removed, kept, x + center, share}, sum(x), 0};
     }
   }
@@ -282,7 +287,8 @@ std::size_t QuadricSimplifier::pass(const Limits& limits, Progress* progress) {
   unlink_dead_corners(table_);
   const std::vector<Candidate> candidates = rank_edges();
   if (candidates.empty()) return 0;
-  // An interior collapse of a closed triangle mesh removes two faces; with quads fewer, and then the next pass goes on.
+  // An interior collapse of a closed triangle mesh removes two faces; with quads fewer, and then the next
+  // pass goes on.
   std::size_t wanted = candidates.size();
   if (limits.faces > 0) wanted = std::min(wanted, (table_.n_alive_faces - limits.faces + 1) / 2);
   if (limits.vertices > 0) wanted = std::min(wanted, table_.n_alive_points - limits.vertices);

@@ -16,7 +16,8 @@ Index bucket_of(double cost) {
 
 }  // namespace
 
-RankBuckets::RankBuckets(std::size_t n_items) : buckets_(k_buckets), tree_(k_buckets + 1, 0), place_(n_items) {}
+RankBuckets::RankBuckets(std::size_t n_items)
+    : buckets_(k_buckets), tree_(k_buckets + 1, 0), place_(n_items) {}
 
 void RankBuckets::add(Index bucket, std::ptrdiff_t change) {
   for (Index i = bucket + 1; i <= k_buckets; i += i & (~i + 1)) {

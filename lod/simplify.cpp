@@ -10,24 +10,36 @@ namespace recede {
 
 std::string_view to_string(StopReason reason) {
   switch (reason) {
-    case StopReason::face_target: return "face target reached";
-    case StopReason::vertex_target: return "vertex target reached";
-    case StopReason::error_target: return "error target reached";
-    case StopReason::no_collapse_left: return "no permitted collapse left";
+    case StopReason::face_target:
+      return "face target reached";
+    case StopReason::vertex_target:
+      return "vertex target reached";
+    case StopReason::error_target:
+      return "error target reached";
+    case StopReason::no_collapse_left:
+      return "no permitted collapse left";
   }
   return "";
 }
 
 std::string_view to_string(Refusal refusal) {
   switch (refusal) {
-    case Refusal::border: return "border";
-    case Refusal::topology: return "topology";
-    case Refusal::duplicate: return "duplicate";
-    case Refusal::flip: return "flip";
-    case Refusal::degenerate: return "degenerate";
-    case Refusal::deviation: return "deviation";
-    case Refusal::error: return "error";
-    case Refusal::count: break;
+    case Refusal::border:
+      return "border";
+    case Refusal::topology:
+      return "topology";
+    case Refusal::duplicate:
+      return "duplicate";
+    case Refusal::flip:
+      return "flip";
+    case Refusal::degenerate:
+      return "degenerate";
+    case Refusal::deviation:
+      return "deviation";
+    case Refusal::error:
+      return "error";
+    case Refusal::count:
+      break;
   }
   return "";
 }
@@ -40,7 +52,8 @@ double Simplifier::fraction_done(const Limits& limits) const {
     return start > goal ? static_cast<double>(start - now) / static_cast<double>(start - goal) : 1.0;
   };
   if (limits.faces > 0) done = std::max(done, share(start_faces_, table_.n_alive_faces, limits.faces));
-  if (limits.vertices > 0) done = std::max(done, share(start_points_, table_.n_alive_points, limits.vertices));
+  if (limits.vertices > 0)
+    done = std::max(done, share(start_points_, table_.n_alive_points, limits.vertices));
   if (limits.faces == 0 && limits.vertices == 0) done = share(start_faces_, table_.n_alive_faces, 0);
   return std::clamp(done, 0.0, 1.0);
 }
@@ -80,7 +93,8 @@ void require(bool condition, const char* text) {
 }
 
 void check(const SimplifyOptions& options) {
-  require(options.normal_threshold >= -1 && options.normal_threshold <= 1, "normal_threshold must lie in [-1, 1]");
+  require(options.normal_threshold >= -1 && options.normal_threshold <= 1,
+          "normal_threshold must lie in [-1, 1]");
   require(options.candidate_share > 0 && options.candidate_share <= 1, "candidate_share must lie in (0, 1]");
   require(options.placement != VertexPlacement::optimal || options.cost == CostPolicy::quadric,
           "placement optimal needs the cost quadric");
@@ -91,7 +105,8 @@ void check(const SimplifyTarget& target) {
   require(!target.vertices || *target.vertices > 0, "the vertex target must be positive");
   require(!target.ratio || (*target.ratio > 0 && *target.ratio <= 1), "the ratio must lie in (0, 1]");
   require(!target.error || *target.error >= 0, "the error target must not be negative");
-  require(!target.relative_error || *target.relative_error >= 0, "the relative error target must not be negative");
+  require(!target.relative_error || *target.relative_error >= 0,
+          "the relative error target must not be negative");
 }
 
 /// `diagonal` in table units.
@@ -116,8 +131,9 @@ std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonMesh& mesh, con
   remove_degenerate_faces(soup);
   detail::CornerTable table = detail::build_corner_table(
       soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
-  return options.cost == CostPolicy::quadric ? detail::make_quadric_simplifier(std::move(table), options)
-                                             : detail::make_normal_deviation_simplifier(std::move(table), options);
+  return options.cost == CostPolicy::quadric
+             ? detail::make_quadric_simplifier(std::move(table), options)
+             : detail::make_normal_deviation_simplifier(std::move(table), options);
 }
 
 double diagonal_of(const detail::CornerTable& table) {

@@ -13,10 +13,12 @@ namespace recede {
 
 /// What decides which edge goes next.
 enum class CostPolicy {
-  /// Garland and Heckbert's plane quadrics, one per polygon (weighted by its area), kept relative to each vertex; the new
+  /// Garland and Heckbert's plane quadrics, one per polygon (weighted by its area), kept relative to each
+  /// vertex; the new
   /// vertex minimises them on the plane that preserves the enclosed volume (Lindstrom and Turk).
   quadric,
-  /// Ramsey, Bertram and Hansen 2003: a collapse is as good as the smallest dot product between the normals of a
+  /// Ramsey, Bertram and Hansen 2003: a collapse is as good as the smallest dot product between the normals
+  /// of a
   /// changed polygon before and after, and permitted while that exceeds a threshold.
   normal_deviation,
 };
@@ -31,23 +33,27 @@ enum class VertexPlacement {
 
 /// What stands for the normal of a polygon, which need not be flat.
 enum class PolygonNormal {
-  /// As in the source: the mean of the polygon's corner normals when the mesh has them, else `corner_average`.
+  /// As in the source: the mean of the polygon's corner normals when the mesh has them, else
+  /// `corner_average`.
   source,
-  /// Mean of the cross products at the corners (for triangles and quads: of two sides, of the diagonals). Where it is nearly
+  /// Mean of the cross products at the corners (for triangles and quads: of two sides, of the diagonals).
+  /// Where it is nearly
   /// zero, the vector area.
   corner_average,
   /// The vector area (Newell), which never points the wrong way for a simple polygon.
   vector_area,
 };
 
-/// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost permits
+/// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost
+/// permits
 /// (`normal_deviation`) or as the mesh allows (`quadric`).
 struct SimplifyTarget {
   std::optional<std::size_t> faces{};     ///< at most this many faces
   std::optional<std::size_t> vertices{};  ///< at most this many vertices
   std::optional<double> ratio{};          ///< at most this share of the input's faces, 0 to 1
   std::optional<double> error{};          ///< stop before `error_estimate` exceeds this, object units
-  std::optional<double> relative_error{}; ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
+  std::optional<double>
+      relative_error{};  ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
 };
 
 struct SimplifyOptions {
@@ -61,13 +67,15 @@ struct SimplifyOptions {
   bool keep_uv_seams = true;
   bool keep_normal_seams = true;
 
-  /// Between collapses of similar cost, prefer those that keep polygons with more than three sides: rows of quads vanish
-  /// as a whole. No effect on triangle meshes. Off: the order of the sources alone.
+  /// Between collapses of similar cost, prefer those that keep polygons with more than three sides: rows of
+  /// quads vanish as a whole. No effect on triangle meshes. Off: the order of the sources alone.
   bool keep_polygons = true;
 
-  /// `normal_deviation`: least dot product between a polygon's normals before and after one collapse, -1 to 1.
+  /// `normal_deviation`: least dot product between a polygon's normals before and after one collapse, -1
+  /// to 1.
   double normal_threshold = 0.99;
-  /// `normal_deviation`: candidates drawn per collapse as a share of the input's polygon count, 0 to 1. 1: exhaustive.
+  /// `normal_deviation`: candidates drawn per collapse as a share of the input's polygon count, 0 to 1. 1:
+  /// exhaustive.
   double candidate_share = 0.01;
   /// `normal_deviation`: seed of the candidate draws. Same seed, same result.
   std::uint64_t seed = 1;
@@ -81,10 +89,10 @@ std::string_view to_string(StopReason reason);
 
 /// Why a collapse was refused. Counted once per refused attempt; an edge may be tried again in a later pass.
 enum class Refusal : std::size_t {
-  border,      ///< would close a border, or pull a border, seam, feature edge or corner of them off its course
-  topology,    ///< link condition: the surface would touch or fold onto itself
-  duplicate,   ///< two polygons would have the same vertices
-  flip,        ///< a polygon would turn over or get a corner that turns the wrong way
+  border,     ///< would close a border, or pull a border, seam, feature edge or corner of them off its course
+  topology,   ///< link condition: the surface would touch or fold onto itself
+  duplicate,  ///< two polygons would have the same vertices
+  flip,       ///< a polygon would turn over or get a corner that turns the wrong way
   degenerate,  ///< a polygon would lose its area
   deviation,   ///< `normal_deviation`: below the threshold
   error,       ///< the error target
@@ -108,24 +116,27 @@ struct SimplifyResult {
   std::size_t removed_faces = 0;       ///< each a triangle
   std::size_t lost_sides = 0;          ///< sides lost by faces that stay
   std::size_t passes = 0;              ///< passes (`quadric`) or sweeps (`normal_deviation`)
-  /// Largest deviation that a collapse made, object units. `quadric`: root mean square distance to the merged planes;
-  /// `normal_deviation`: sum of the distances that a removed vertex stood off the surface. An estimate, not a bound.
+  /// Largest deviation that a collapse made, object units. `quadric`: root mean square distance to the merged
+  /// planes; `normal_deviation`: sum of the distances that a removed vertex stood off the surface. An
+  /// estimate, not a bound.
   double error_estimate = 0;
   StopReason reason = StopReason::no_collapse_left;
   RefusedCollapses refused;
   double seconds = 0;
 };
 
-/// Simplifies a copy of `mesh`. No flipped, duplicate, degenerate or non-finite polygon is made (the input's own
-/// remain possible); edges with more than two polygons are collapsed along themselves with all their polygons.
-/// Corner attributes are interpolated, or taken from the surviving end for half-edge collapses. A target that can't be
-/// reached gives the best mesh with `reason == no_collapse_left`. Same bytes for any number of threads.
-/// Throws `OptionError` for options out of range.
-SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options = {}, Progress* progress = nullptr);
+/// Simplifies a copy of `mesh`. No flipped, duplicate, degenerate or non-finite polygon is made (the input's
+/// own remain possible); edges with more than two polygons are collapsed along themselves with all their
+/// polygons. Corner attributes are interpolated, or taken from the surviving end for half-edge collapses. A
+/// target that can't be reached gives the best mesh with `reason == no_collapse_left`. Same bytes for any
+/// number of threads. Throws `OptionError` for options out of range.
+SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options = {},
+                        Progress* progress = nullptr);
 
 /// One run that stops at each target in turn (fine to coarse) and hands out the mesh as it stands there.
 /// `options.target` is ignored. Counts and seconds of a result are those from the start of the run.
 std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
-                                            const SimplifyOptions& options = {}, Progress* progress = nullptr);
+                                            const SimplifyOptions& options = {},
+                                            Progress* progress = nullptr);
 
 }  // namespace recede

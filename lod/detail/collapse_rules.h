@@ -1,4 +1,5 @@
-// Which collapses are legal: the class of the ends, the link condition, duplicates, and what happens to the polygons.
+// Which collapses are legal: the class of the ends, the link condition, duplicates, and what happens to the
+// polygons.
 #pragma once
 
 #include <recede/lod/detail/corner_table.h>
@@ -21,9 +22,10 @@ struct EdgeRings {
   void gather(const CornerTable& table, Index removed_point, Index kept_point);
 };
 
-/// Twice the vector area of a face, with `moved_a` and `moved_b` standing at `position` (k_no_index: nothing moves).
-Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a = k_no_index, Index moved_b = k_no_index,
-                       const Vec3& position = Vec3::Zero());
+/// Twice the vector area of a face, with `moved_a` and `moved_b` standing at `position` (k_no_index: nothing
+/// moves).
+Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a = k_no_index,
+                       Index moved_b = k_no_index, const Vec3& position = Vec3::Zero());
 
 /// Which end of the edge may go and where the other may then stand.
 struct EdgeFreedom {
@@ -34,15 +36,16 @@ struct EdgeFreedom {
 };
 EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second);
 
-/// How much a collapse breaks up polygons with more than three sides: 0 when triangles vanish on all faces of the edge; 1 when
-/// some do, or when a quad's side opposite to the edge belongs to a triangle, so that the two collapses together
-/// take a whole row of quads out; 2 when only larger polygons are shortened.
+/// How much a collapse breaks up polygons with more than three sides: 0 when triangles vanish on all faces of
+/// the edge; 1 when some do, or when a quad's side opposite to the edge belongs to a triangle, so that the
+/// two collapses together take a whole row of quads out; 2 when only larger polygons are shortened.
 int polygon_loss(const CornerTable& table, Index first, Index second);
 
 /// Tests collapses on one table. Not thread-safe: it marks points.
 class CollapseRules {
  public:
-  /// `least_normal_cosine`: a polygon may turn in one collapse until the cosine between its normals falls to this.
+  /// `least_normal_cosine`: a polygon may turn in one collapse until the cosine between its normals falls to
+  /// this.
   CollapseRules(const CornerTable& table, double least_normal_cosine);
 
   /// Why the collapse is refused, or nothing. `rings` are those of the edge.
@@ -54,8 +57,8 @@ class CollapseRules {
   bool closes_crease(const Collapse& collapse) const;
   bool makes_duplicate(const EdgeRings& rings, const Collapse& collapse);
   std::optional<Refusal> shape_refusal(const RingCorner& corner, Index moved, const Collapse& collapse) const;
-  bool turns_corner(const RingCorner& corner, Index moved, const Collapse& collapse, const Vec3& normal_before,
-                    const Vec3& normal_after) const;
+  bool turns_corner(const RingCorner& corner, Index moved, const Collapse& collapse,
+                    const Vec3& normal_before, const Vec3& normal_after) const;
 
   const CornerTable& table_;
   double least_cosine_;

@@ -1,5 +1,5 @@
-// The flat table that simplification works on: polygons as loops of corners, points as rings of corners. No objects, no
-// allocation once it is built; edges with any number of faces are as good as others.
+// The flat table that simplification works on: polygons as loops of corners, points as rings of corners. No
+// objects, no allocation once it is built; edges with any number of faces are as good as others.
 #pragma once
 
 #include <recede/geometry/polygon_soup.h>
@@ -11,8 +11,8 @@ namespace recede::detail {
 /// What makes an edge more than a place where two faces meet. Bits may combine.
 enum EdgeKind : unsigned {
   k_smooth_edge = 0,
-  k_border_edge = 1,        ///< one face
-  k_many_faces_edge = 2,    ///< more than two, or two that disagree in orientation
+  k_border_edge = 1,      ///< one face
+  k_many_faces_edge = 2,  ///< more than two, or two that disagree in orientation
   k_material_edge = 4,
   k_uv_seam_edge = 8,
   k_normal_seam_edge = 16,
@@ -34,10 +34,10 @@ struct Wedge {
 
 struct CornerTable {
   // By point.
-  std::vector<Vec3> positions;       ///< in the unit box; see `to_unit`
-  std::vector<Index> point_corner;   ///< a corner of the point's ring, or k_no_index: no faces, or collapsed
+  std::vector<Vec3> positions;      ///< in the unit box; see `to_unit`
+  std::vector<Index> point_corner;  ///< a corner of the point's ring, or k_no_index: no faces, or collapsed
   std::vector<PointClass> classes;
-  std::vector<Vec4> colors;          ///< empty: none
+  std::vector<Vec4> colors;  ///< empty: none
 
   // By corner. A dead corner has face k_no_index and is skipped in rings.
   std::vector<Index> point, face, next;  ///< `next` runs around the face
@@ -46,7 +46,7 @@ struct CornerTable {
   std::vector<unsigned char> feature;    ///< empty: none; 1: the side to `next` is a feature edge
 
   // By face.
-  std::vector<Index> face_corner;    ///< a corner, or k_no_index: removed
+  std::vector<Index> face_corner;  ///< a corner, or k_no_index: removed
   std::vector<Index> face_size;
   std::vector<Index> face_material;  ///< empty: none
 
@@ -87,8 +87,8 @@ struct CornerTableOptions {
 /// The table of a soup whose faces visit no vertex twice and whose vertices are merged by position.
 CornerTable build_corner_table(const PolygonSoup& soup, const CornerTableOptions& options);
 
-/// A collapse: `removed` goes to `kept`, which moves to `position`. `share` says where between them attributes
-/// are taken: 0 at `removed`, 1 at `kept`.
+/// A collapse: `removed` goes to `kept`, which moves to `position`. `share` says where between them
+/// attributes are taken: 0 at `removed`, 1 at `kept`.
 struct Collapse {
   Index removed = k_no_index, kept = k_no_index;
   Vec3 position = Vec3::Zero();

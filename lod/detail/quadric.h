@@ -1,4 +1,5 @@
-// Plane quadrics, kept relative to a centre so that they lose no digits far from the origin (Garland, Heckbert 1997).
+// Plane quadrics, kept relative to a centre so that they lose no digits far from the origin (Garland,
+// Heckbert 1997).
 #pragma once
 
 #include <recede/geometry/vec.h>
@@ -7,8 +8,8 @@
 
 namespace recede::detail {
 
-/// x -> (x-c)' A (x-c) + 2 b'(x-c) + constant, where c is the centre that the owner knows: a weighted sum of squared
-/// distances to planes (and lines). Symmetric A as xx, xy, xz, yy, yz, zz.
+/// x -> (x-c)' A (x-c) + 2 b'(x-c) + constant, where c is the centre that the owner knows: a weighted sum of
+/// squared distances to planes (and lines). Symmetric A as xx, xy, xz, yy, yz, zz.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Vec3 b = Vec3::Zero();
@@ -29,7 +30,8 @@ struct Quadric {
     const double value = x.dot(times(x)) + 2 * b.dot(x) + constant;
     return value > 0 ? value : 0;
   }
-  /// Adds `w` times the squared distance to the plane of unit normal `n` through `point`, relative to the centre.
+  /// Adds `w` times the squared distance to the plane of unit normal `n` through `point`, relative to the
+  /// centre.
   void add_plane(const Vec3& n, const Vec3& point, double w) {
     const double d = -n.dot(point);
     xx += w * n.x() * n.x();

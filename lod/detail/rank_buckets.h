@@ -7,8 +7,8 @@
 
 namespace recede::detail {
 
-/// Items 0..n-1, each absent or in the bucket of its cost. Costs that differ by less than 0.4 % share a bucket, where
-/// items have no order. All operations cost the logarithm of the number of buckets.
+/// Items 0..n-1, each absent or in the bucket of its cost. Costs that differ by less than 0.4 % share a
+/// bucket, where items have no order. All operations cost the logarithm of the number of buckets.
 class RankBuckets {
  public:
   explicit RankBuckets(std::size_t n_items);

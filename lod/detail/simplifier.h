@@ -57,6 +57,7 @@ class Simplifier {
 };
 
 std::unique_ptr<Simplifier> make_quadric_simplifier(CornerTable table, const SimplifyOptions& options);
-std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table, const SimplifyOptions& options);
+std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table,
+                                                             const SimplifyOptions& options);
 
 }  // namespace recede::detail

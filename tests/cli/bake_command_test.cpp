@@ -17,7 +17,7 @@ using testing::IsEmpty;
 json bake_sphere(const TempFolder& folder, const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"bake", write_sphere(folder, 2000), "-o", folder / "out", "--json"};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  const Run run = run_recede(arguments);
+  const CommandResult run = run_recede(arguments);
   EXPECT_EQ(run.remarks, "") << "no progress bar off a terminal, and nothing to remark";
   return json_of(run);
 }
@@ -51,7 +51,7 @@ TEST(BakeCommand, MakesTheLevelsOfTheRatiosAndEveryDocumentedField) {
   const double faces = levels[0].at("faces"), diagonal = result.at("diagonal");
   EXPECT_EQ(levels[0].at("error").at("bound"), 0);
   EXPECT_EQ(levels[0].at("switch_distance"), 0);
-  EXPECT_EQ(levels[0].at("reason"), "");
+  EXPECT_EQ(levels[0].at("stop_reason"), "");
   const std::vector<double> ratios{1, 0.5, 0.2, 0.05};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(levels[i].at("level"), i);
@@ -120,7 +120,9 @@ TEST(BakeCommand, WritesTheHierarchyAndTheReportAndNothingElse) {
   }
   const std::string html = read_whole_file(folder / "out/report.html");
   EXPECT_THAT(html, HasSubstr("</html>"));
-  EXPECT_EQ(html.find("http://"), html.npos) << "one file that needs no network";
+  for (const char* reference : {"src=\"http", "href=\"http", "url(http", "@import"}) {
+    EXPECT_EQ(html.find(reference), html.npos) << "one file that needs no network";
+  }
 }
 
 TEST(BakeCommand, ReplacesAnEarlierHierarchyAsAWhole) {
@@ -182,8 +184,8 @@ TEST(BakeCommand, WritesTheSameLevelsForAnyNumberOfThreads) {
 TEST(BakeCommand, SaysWhyALevelStoppedShortOfItsRatio) {
   const TempFolder folder;
   const json levels = bake_sphere(folder, {"--ratios", "0.5", "0.0001", "--no-report"}).at("levels");
-  EXPECT_EQ(levels[1].at("reason"), "face target reached");
-  EXPECT_EQ(levels[2].at("reason"), "no permitted collapse left");
+  EXPECT_EQ(levels[1].at("stop_reason"), "face target reached");
+  EXPECT_EQ(levels[2].at("stop_reason"), "no permitted collapse left");
 }
 
 }  // namespace

@@ -88,21 +88,21 @@ class Terminal {
 
 }  // namespace
 
-Run run_recede(const std::vector<std::string>& arguments) {
+CommandResult run_recede(const std::vector<std::string>& arguments) {
   const TempFolder folder;
   const Streams streams{folder / "output", folder / "error"};
-  Run run;
+  CommandResult run;
   run.code = wait_for(start(arguments, streams));
   run.output = read_whole_file(streams.output);
   run.remarks = read_whole_file(streams.error);
   return run;
 }
 
-Run run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited) {
+CommandResult run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited) {
   Terminal terminal;
   const pid_t process = start(arguments, {terminal.name(), terminal.name()});
   terminal.release_child_side();
-  Run run;
+  CommandResult run;
   bool interrupted = awaited.empty();
   while (terminal.read_more(run.output)) {
     if (interrupted || run.output.find(awaited) == run.output.npos) continue;
@@ -113,14 +113,14 @@ Run run_recede_on_terminal(const std::vector<std::string>& arguments, const std:
   return run;
 }
 
-nlohmann::json json_of(const Run& run) {
+nlohmann::json json_of(const CommandResult& run) {
   EXPECT_EQ(run.code, 0) << run.remarks;
   const nlohmann::json document = nlohmann::json::parse(run.output, nullptr, false);
   EXPECT_FALSE(document.is_discarded()) << run.output;
   return document.is_discarded() ? nlohmann::json() : document;
 }
 
-std::string complaint_of(const Run& run, int code) {
+std::string complaint_of(const CommandResult& run, int code) {
   EXPECT_EQ(run.code, code) << run.remarks;
   EXPECT_EQ(run.output, "");
   EXPECT_THAT(run.remarks, testing::StartsWith("recede: "));

@@ -14,23 +14,23 @@
 
 namespace recede::test {
 
-struct Run {
+struct CommandResult {
   int code = -1;                ///< exit code; 128 + signal when a signal ended the process
   std::string output, remarks;  ///< standard output and standard error
 };
 
 /// Runs `recede` with both streams going into files.
-Run run_recede(const std::vector<std::string>& arguments);
+CommandResult run_recede(const std::vector<std::string>& arguments);
 
 /// Runs `recede` with both streams on a terminal (so `remarks` stays empty) and sends SIGINT as soon as
 /// `awaited` has appeared there; never when that is empty.
-Run run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited);
+CommandResult run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited);
 
 /// Expects success and returns the one JSON document on standard output; null when there is none.
-nlohmann::json json_of(const Run& run);
+nlohmann::json json_of(const CommandResult& run);
 
 /// Expects the exit code and exactly one line on standard error, `recede: ...`. Returns that line.
-std::string complaint_of(const Run& run, int code);
+std::string complaint_of(const CommandResult& run, int code);
 
 /// Names of everything below a folder, relative to it, sorted; empty when there is no such folder.
 std::vector<std::string> names_below(const std::filesystem::path& folder);

@@ -16,7 +16,7 @@ constexpr const char* k_clear_line = "\r\x1b[K";
 
 TEST(Terminal, ShowsAProgressBarAndWipesItBeforeTheResults) {
   const TempFolder folder;
-  const Run run = run_recede_on_terminal(
+  const CommandResult run = run_recede_on_terminal(
       {"simplify", write_sphere(folder, 20000), "-o", folder / "small.ply", "--ratio", "0.1"}, "");
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.output, HasSubstr(" % simplify"));
@@ -27,15 +27,17 @@ TEST(Terminal, ShowsAProgressBarAndWipesItBeforeTheResults) {
 
 TEST(Terminal, ShowsNoBarWhenQuiet) {
   const TempFolder folder;
-  const Run run = run_recede_on_terminal(
+  const CommandResult run = run_recede_on_terminal(
       {"simplify", write_sphere(folder, 2000), "-o", folder / "small.ply", "--ratio", "0.1", "--quiet"}, "");
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.output, Not(HasSubstr("\x1b")));
 }
 
-/// Bakes the built-in sphere and presses Ctrl-C when the bar shows `stage`.
-Run interrupt_bake(const std::string& out, const std::string& stage) {
-  Run run = run_recede_on_terminal({"bake", "sphere", "-o", out, "--ratios", "0.3", "0.02"}, stage);
+/// Bakes a sphere and presses Ctrl-C when the bar shows `stage`.
+CommandResult interrupt_bake(const TempFolder& folder, const std::string& stage) {
+  const TempFolder inputs;
+  CommandResult run = run_recede_on_terminal(
+      {"bake", write_sphere(inputs, 20000), "-o", folder / "out", "--ratios", "0.3", "0.02"}, stage);
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.output, HasSubstr(stage));
   EXPECT_THAT(run.output, EndsWith(std::string(k_clear_line) + "recede: cancelled\r\n"));
@@ -44,19 +46,19 @@ Run interrupt_bake(const std::string& out, const std::string& stage) {
 
 TEST(Interrupt, LeavesNothingWhenItComesWhileSimplifying) {
   const TempFolder folder;
-  interrupt_bake(folder / "out", "% simplify");
+  interrupt_bake(folder, "% simplify");
   EXPECT_THAT(names_below(folder / ""), IsEmpty());
 }
 
 TEST(Interrupt, LeavesNothingWhenItComesWhileMeasuring) {
   const TempFolder folder;
-  interrupt_bake(folder / "out", "level 1: measure");
+  interrupt_bake(folder, "level 1: measure");
   EXPECT_THAT(names_below(folder / ""), IsEmpty());
 }
 
 TEST(Interrupt, LeavesTheWholeHierarchyWhenItComesWhileDrawingTheReport) {
   const TempFolder folder;
-  interrupt_bake(folder / "out", "draw report");
+  interrupt_bake(folder, "draw report");
   const std::vector<std::string> names = names_below(folder / "out");
   EXPECT_THAT(names, Contains("sphere.glb"));
   EXPECT_THAT(names, Contains("sphere.recede/hierarchy.json"));
@@ -67,7 +69,7 @@ TEST(Interrupt, LeavesTheWholeHierarchyWhenItComesWhileDrawingTheReport) {
 
 TEST(Interrupt, StopsSimplifyWithoutAFile) {
   const TempFolder folder;
-  const Run run = run_recede_on_terminal(
+  const CommandResult run = run_recede_on_terminal(
       {"simplify", "sphere", "-o", folder / "small.ply", "--ratio", "0.01"}, "% simplify");
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.output, EndsWith("recede: cancelled\r\n"));
@@ -75,7 +77,7 @@ TEST(Interrupt, StopsSimplifyWithoutAFile) {
 }
 
 TEST(Interrupt, StopsCompare) {
-  const Run run = run_recede_on_terminal({"compare", "sphere", "teapot"}, "% measure");
+  const CommandResult run = run_recede_on_terminal({"compare", "sphere", "teapot"}, "% measure");
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.output, EndsWith("recede: cancelled\r\n"));
 }

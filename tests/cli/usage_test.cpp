@@ -10,11 +10,11 @@ using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand, testing::Values("bake", "simplify", "compare", "info"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
   const std::string command = GetParam();
-  const Run run = run_recede({command, "--help"});
+  const CommandResult run = run_recede({command, "--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_EQ(run.remarks, "");
   EXPECT_THAT(run.output, AllOf(HasSubstr("Example:"), HasSubstr("recede " + command + " "),
@@ -31,14 +31,14 @@ TEST_P(EveryCommand, AsksForItsArguments) {
 }
 
 TEST(Usage, OfTheWholeCommandNamesTheFourCommands) {
-  const Run run = run_recede({"--help"});
+  const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("info")));
 }
 
 TEST(Usage, PrintsTheVersion) {
-  const Run run = run_recede({"--version"});
+  const CommandResult run = run_recede({"--version"});
   EXPECT_EQ(run.code, 0);
   EXPECT_EQ(run.output, std::string(RECEDE_VERSION) + "\n");
 }
@@ -54,6 +54,7 @@ struct BadValue {
   const char* name;
   std::vector<std::string> arguments;
   const char* answer;
+  friend std::ostream& operator<<(std::ostream& out, const BadValue& value) { return out << value.answer; }
 };
 
 class BadValues : public testing::TestWithParam<BadValue> {};
@@ -81,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"FieldOfViewOfAHalfTurn", {"bake", "teapot", "--field-of-view", "180"}, "field of view"},
         BadValue{"NoPixelError", {"bake", "teapot", "--pixel-error", "0"}, "pixel error"},
         BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(BadValues, AreWrongUsageAndWriteNothing) {
   const TempFolder folder;

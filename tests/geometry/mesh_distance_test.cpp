@@ -4,7 +4,6 @@
 #include <recede/geometry/mesh_distance.h>
 
 #include <gtest/gtest.h>
-
 #include <oneapi/tbb/global_control.h>
 
 #include <random>
@@ -83,7 +82,8 @@ TEST(MeshDistance, EqualSurfacesAreAtNoDistance) {
 
 TEST(MeshDistance, AShiftedSquareIsAtTheShift) {
   const PolygonSoup square = test::grid(1);
-  const MeshDistance d = measure_distance(square, moved(square, {0, 0, 0.25}), {.samples = 1000, .bound_tolerance = 0.01});
+  const MeshDistance d =
+      measure_distance(square, moved(square, {0, 0, 0.25}), {.samples = 1000, .bound_tolerance = 0.01});
   EXPECT_DOUBLE_EQ(d.max, 0.25);
   EXPECT_NEAR(d.rms, 0.25, 1e-12);
   EXPECT_NEAR(d.forward.mean, 0.25, 1e-12);
@@ -107,7 +107,8 @@ TEST(MeshDistance, TakesTheLargerSide) {
 
 TEST(MeshDistance, SurfacesAtDifferentResolutionOfOnePlaneAreEqual) {
   // 7 and 16 cells share no lines but the border, so that every piece has to be cut along them.
-  const MeshDistance d = measure_distance(test::grid(7, true), test::grid(16, true), {.bound_tolerance = 0.1});
+  const MeshDistance d =
+      measure_distance(test::grid(7, true), test::grid(16, true), {.bound_tolerance = 0.1});
   EXPECT_LT(*d.max_bound, 1e-11);
 }
 
@@ -118,7 +119,8 @@ TEST(MeshDistance, TheBoundHoldsAndIsAsTightAsAsked) {
       const MeshDistance d = measure_distance(a, b, {.samples = 300, .bound_tolerance = tolerance});
       EXPECT_LE(d.max, d.max_lower);
       EXPECT_LE(*d.max_bound - d.max_lower, tolerance * *d.max_bound * (1 + 1e-12));
-      // Dense brute force is a lower bound of the true maximum, which the certified bound must not fall below.
+      // Dense brute force is a lower bound of the true maximum, which the certified bound must not fall
+      // below.
       std::mt19937 random(seed);
       std::uniform_real_distribution<double> unit(0, 1);
       for (std::size_t f = 0; f < a.n_faces(); ++f) {
@@ -145,13 +147,14 @@ TEST(MeshDistance, GrowsWithTheUnitAndNotWithThePlace) {
     for (Vec3& p : soup.positions) p *= by;
     return soup;
   };
-  const MeshDistance small = measure_distance(scaled(a, 0x1p-30), scaled(b, 0x1p-30), {.samples = 20'000, .bound_tolerance = 0.1});
+  const MeshDistance small =
+      measure_distance(scaled(a, 0x1p-30), scaled(b, 0x1p-30), {.samples = 20'000, .bound_tolerance = 0.1});
   // Powers of two scale without rounding.
   EXPECT_DOUBLE_EQ(small.max, 0x1p-30 * here.max);
   EXPECT_DOUBLE_EQ(small.rms, 0x1p-30 * here.rms);
   EXPECT_NEAR(*small.max_bound, 0x1p-30 * *here.max_bound, 1e-9 * 0x1p-30);
-  const MeshDistance there =
-      measure_distance(moved(a, {1e6, 1e6, 1e6}), moved(b, {1e6, 1e6, 1e6}), {.samples = 20'000, .bound_tolerance = 0.1});
+  const MeshDistance there = measure_distance(moved(a, {1e6, 1e6, 1e6}), moved(b, {1e6, 1e6, 1e6}),
+                                              {.samples = 20'000, .bound_tolerance = 0.1});
   // At 1e6, coordinates have steps of 1e-10.
   EXPECT_NEAR(there.max, here.max, 1e-8);
   EXPECT_NEAR(*there.max_bound, *here.max_bound, 0.1 * *here.max_bound);

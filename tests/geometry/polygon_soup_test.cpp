@@ -1,3 +1,4 @@
+#include "meshes.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/polygon_mesh.h>
 #include <recede/geometry/polygon_soup.h>
@@ -13,12 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-PolygonSoup soup_of(std::vector<Vec3> positions, std::vector<std::vector<Index>> faces) {
-  PolygonSoup soup;
-  soup.positions = std::move(positions);
-  for (const auto& face : faces) soup.add_face(face);
-  return soup;
-}
+using test::soup_of;
 
 /// Unit cube of six quads, outward.
 PolygonSoup cube() {
@@ -44,8 +40,8 @@ TEST(PolygonSoup, RefusesIndicesOutOfRange) {
 }
 
 TEST(PolygonSoup, MergesVerticesAtTheSamePositionWhateverTheSignOfZero) {
-  PolygonSoup soup = soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
-                             {{0, 1, 2}, {3, 4, 5}});
+  PolygonSoup soup =
+      soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {0, 1, 0}, {-1, 0, 0}}, {{0, 1, 2}, {3, 4, 5}});
   const RepairStep step = merge_identical_vertices(soup);
   EXPECT_EQ(step.changed, 2u);
   EXPECT_EQ(soup.positions.size(), 4u);
@@ -100,7 +96,8 @@ TEST(PolygonMesh, KeepsEveryAttributeThroughTheHalfEdges) {
     soup.corner_uvs.emplace_back(number, -number);
     soup.corner_normals.emplace_back(0, number, 1);
   }
-  for (std::size_t v = 0; v < soup.positions.size(); ++v) soup.vertex_colors.emplace_back(double(v) / 8, 0, 0, 1);
+  for (std::size_t v = 0; v < soup.positions.size(); ++v)
+    soup.vertex_colors.emplace_back(double(v) / 8, 0, 0, 1);
   soup.face_materials = {0, 1, k_no_index, 0, 1, 1};
   soup.feature_edges = {{0, 1}, {1, 2}};
   const PolygonSoup back = to_soup(to_polygon_mesh(soup));
@@ -114,8 +111,8 @@ TEST(PolygonMesh, KeepsEveryAttributeThroughTheHalfEdges) {
 
 // Three triangles on the edge 0-1: no half-edge can have two opposites.
 TEST(PolygonMesh, SplitsAnEdgeOfThreeFacesAndMergingUndoesIt) {
-  PolygonSoup soup = soup_of({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}},
-                             {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
+  PolygonSoup soup =
+      soup_of({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
   const auto before = soup.corner_vertices;
   EXPECT_THROW(to_polygon_mesh(soup), InputError);
   EXPECT_EQ(split_non_manifold(soup).changed, 4u);
@@ -126,7 +123,8 @@ TEST(PolygonMesh, SplitsAnEdgeOfThreeFacesAndMergingUndoesIt) {
 
 // Two triangles that touch in vertex 0 alone.
 TEST(PolygonMesh, SplitsABowTieVertex) {
-  PolygonSoup soup = soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
+  PolygonSoup soup =
+      soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
   EXPECT_THROW(to_polygon_mesh(soup), InputError);
   EXPECT_EQ(split_non_manifold(soup).changed, 1u);
   const MeshSummary summary = summarize(to_polygon_mesh(soup));
@@ -163,8 +161,8 @@ TEST(PolygonMesh, SummarizesACube) {
 
 TEST(Triangulate, CutsAConcavePolygonInsideItself) {
   // An L: the fan from corner 0 is right here, so start it where the fan would leave the polygon.
-  PolygonSoup soup = soup_of({{2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 0, 0}},
-                             {{0, 1, 2, 3, 4, 5}});
+  PolygonSoup soup =
+      soup_of({{2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 0, 0}}, {{0, 1, 2, 3, 4, 5}});
   std::vector<Index> faces, corners;
   const std::vector<Index> triangles = triangulate(soup, &faces, &corners);
   ASSERT_EQ(triangles.size(), 12u);

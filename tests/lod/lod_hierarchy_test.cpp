@@ -6,7 +6,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include <fstream>
@@ -65,7 +64,8 @@ TEST(LodHierarchy, LevelsByErrorKeepTheirBound) {
   ASSERT_EQ(h.levels.size(), 4u);
   for (std::size_t i = 1; i < 4; ++i) {
     // Measured again by other samples and a finer certificate.
-    const MeshDistance d = measure_distance(mesh, h.levels[i].mesh, {.samples = 77'777, .bound_tolerance = 0.02});
+    const MeshDistance d =
+        measure_distance(mesh, h.levels[i].mesh, {.samples = 77'777, .bound_tolerance = 0.02});
     EXPECT_LE(d.max, options.errors[i - 1]);
     EXPECT_LE(h.levels[i].error.bound, options.errors[i - 1]);
     EXPECT_GT(h.levels[i].error.bound, 0.4 * options.errors[i - 1]) << "the level could be much coarser";
@@ -84,8 +84,8 @@ TEST(LodHierarchy, LevelsByDistanceServeFromThereOn) {
 }
 
 TEST(LodHierarchy, AnErrorThatNothingKeepsRepeatsTheLevelBefore) {
-  const PolygonMesh mesh = mesh_of(
-      test::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
+  const PolygonMesh mesh = mesh_of(test::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                                 {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
   HierarchyOptions options;
   options.errors = {1e-9};
   const LodHierarchy h = build_hierarchy(mesh, "tetrahedron", options);
@@ -114,7 +114,8 @@ nlohmann::json json_of_glb(const fs::path& path) {
 
 TEST(LodHierarchy, TheGlbNamesItsLevelsOnTheFirstSceneNode) {
   const test::TempFolder folder;
-  const LodHierarchy h = build_hierarchy(mesh_of(make_displaced_sphere(3000, false)), "ball", by_ratios({0.5, 0.1}));
+  const LodHierarchy h =
+      build_hierarchy(mesh_of(make_displaced_sphere(3000, false)), "ball", by_ratios({0.5, 0.1}));
   const HierarchyFiles files = write_hierarchy(folder.path(), h);
   const nlohmann::json glb = json_of_glb(files.glb);
   ASSERT_EQ(glb["scenes"][0]["nodes"].size(), 1u) << "coarser levels aren't in the scene of their own";
@@ -158,7 +159,8 @@ TEST(LodHierarchy, WritingAgainReplacesTheFolder) {
   const test::TempFolder folder;
   const PolygonMesh mesh = mesh_of(test::grid(8));
   write_hierarchy(folder.path(), build_hierarchy(mesh, "grid", by_ratios({0.5, 0.2})));
-  const HierarchyFiles files = write_hierarchy(folder.path(), build_hierarchy(mesh, "grid", by_ratios({0.5})));
+  const HierarchyFiles files =
+      write_hierarchy(folder.path(), build_hierarchy(mesh, "grid", by_ratios({0.5})));
   EXPECT_EQ(read_hierarchy(files.folder).levels.size(), 2u);
   EXPECT_FALSE(fs::exists(files.folder / "level_2.ply"));
   std::size_t entries = 0;
@@ -168,7 +170,8 @@ TEST(LodHierarchy, WritingAgainReplacesTheFolder) {
 
 TEST(LodHierarchy, ADamagedFolderIsAnErrorThatNamesTheFile) {
   const test::TempFolder folder;
-  const HierarchyFiles files = write_hierarchy(folder.path(), build_hierarchy(mesh_of(test::grid(8)), "grid", by_ratios({0.5})));
+  const HierarchyFiles files =
+      write_hierarchy(folder.path(), build_hierarchy(mesh_of(test::grid(8)), "grid", by_ratios({0.5})));
   fs::remove(files.level_files[1]);
   EXPECT_THROW(read_hierarchy(files.folder), InputError);
   std::ofstream(files.folder / "hierarchy.json") << "{\"format\": \"recede hierarchy\", \"version\": 1";

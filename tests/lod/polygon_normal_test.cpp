@@ -31,7 +31,8 @@ TEST(PolygonNormal, OfATriangleIsItsCrossProduct) {
 TEST(PolygonNormal, OfAQuadIsTheCrossProductOfItsDiagonals) {
   std::mt19937 random(4);
   for (int i = 0; i < 100; ++i) {
-    const std::vector<Vec3> q{random_point(random), random_point(random), random_point(random), random_point(random)};
+    const std::vector<Vec3> q{random_point(random), random_point(random), random_point(random),
+                              random_point(random)};
     EXPECT_LT((corner_average_normal(q) - (q[2] - q[0]).cross(q[3] - q[1]).normalized()).norm(), 1e-12);
   }
 }
@@ -70,7 +71,8 @@ TEST(PolygonNormal, OfAStarIsRightByVectorAreaAndSometimesWrongByCornerAverage) 
 
 TEST(PolygonNormal, OfAPolygonWithoutAreaIsZero) {
   EXPECT_TRUE(corner_average_normal(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}).isZero(0));
-  EXPECT_TRUE(corner_average_normal(std::vector<Vec3>{{0, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 0, 0}}).isZero(0));
+  EXPECT_TRUE(corner_average_normal(std::vector<Vec3>{{0, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 0, 0}})
+                  .isZero(0));
 }
 
 }  // namespace

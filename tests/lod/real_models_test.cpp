@@ -55,9 +55,10 @@ TEST_F(RealModels, SmoothScansCompressMoreThanCoarseModels) {
 }
 
 TEST_F(RealModels, DefectiveModelsAreSimplifiedAndStaySound) {
-  // 64 edges with more than two faces and 20 parts; 177 self-intersections; borders, parts wound the wrong way.
-  for (const char* name : {"cad/stl/head.stl", "meshes/diplodocus.off", "meshes/boeing.off", "meshes/elephant-with-holes.off",
-                           "meshes/bones.off", "cad/stl/motor.stl"}) {
+  // 64 edges with more than two faces and 20 parts; 177 self-intersections; borders, parts wound the wrong
+  // way.
+  for (const char* name : {"cad/stl/head.stl", "meshes/diplodocus.off", "meshes/boeing.off",
+                           "meshes/elephant-with-holes.off", "meshes/bones.off", "cad/stl/motor.stl"}) {
     const PolygonMesh mesh = read(name);
     SimplifyOptions options;
     options.target.ratio = 0.2;

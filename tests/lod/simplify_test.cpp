@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <oneapi/tbb/global_control.h>
 
 #include <numbers>
@@ -40,7 +39,8 @@ TEST(Simplify, ReducesAFlatGridToItsCornersExactly) {
     expect_sound(result.mesh);
     EXPECT_LE(result.faces_after, 2u);
     const MeshDistance distance = measure_distance(mesh, result.mesh, {.bound_tolerance = 0.1});
-    // The pull of 1e-7 of the weights, refined once, leaves its square, 1e-14, for each of some hundred collapses.
+    // The pull of 1e-7 of the weights, refined once, leaves its square, 1e-14, for each of some hundred
+    // collapses.
     EXPECT_LT(*distance.max_bound, 1e-11);
   }
 }
@@ -76,8 +76,8 @@ TEST(Simplify, StopsAtEveryKindOfTarget) {
 
 TEST(Simplify, MakesNoUnsoundPolygonAtAnyLevel) {
   for (const CostPolicy cost : k_policies) {
-    for (const auto& soup : {make_displaced_sphere(3000, true), make_displaced_sphere(3000, false), make_teapot(8),
-                             test::hexagon_sheet(20), test::prism(12)}) {
+    for (const auto& soup : {make_displaced_sphere(3000, true), make_displaced_sphere(3000, false),
+                             make_teapot(8), test::hexagon_sheet(20), test::prism(12)}) {
       for (const double ratio : {0.5, 0.1, 0.01}) {
         SimplifyOptions options = to_ratio(ratio, cost);
         options.normal_threshold = 0.5;
@@ -99,7 +99,8 @@ TEST(Simplify, ClosedMeshesStayClosedAndKeepTheirGenus) {
 // Claim 9: (removed polygons + sides lost by those that stay) / 2 = interior collapses.
 TEST(Simplify, EveryInteriorCollapseTakesTwoPolygonsOrSides) {
   for (const CostPolicy cost : k_policies) {
-    for (const auto& soup : {make_displaced_sphere(2000, false), make_displaced_sphere(2000, true), test::prism(40)}) {
+    for (const auto& soup :
+         {make_displaced_sphere(2000, false), make_displaced_sphere(2000, true), test::prism(40)}) {
       SimplifyOptions options = to_ratio(0.3, cost);
       options.normal_threshold = 0;
       const SimplifyResult result = simplify(mesh_of(soup), options);
@@ -150,7 +151,8 @@ TEST(Simplify, MostQuadsOfAQuadModelStayQuads) {
 }
 
 TEST(Simplify, NormalDeviationNeverTurnsAPolygonBeyondItsThreshold) {
-  // A cylinder of 64 sides: neighbours differ by 5.6 degrees; 0.99 permits turns of 8.1 degrees, 0.999 of 2.6.
+  // A cylinder of 64 sides: neighbours differ by 5.6 degrees; 0.99 permits turns of 8.1 degrees, 0.999
+  // of 2.6.
   const PolygonMesh mesh = mesh_of(test::prism(64));
   SimplifyOptions options;
   options.cost = CostPolicy::normal_deviation;
@@ -191,7 +193,8 @@ TEST(Simplify, BordersMoveOnlyAlongThemselves) {
   constexpr Index n = 48, rings = 12;
   for (Index r = 0; r < rings; ++r) {
     for (Index i = 0; i < n; ++i) {
-      const double polar = std::numbers::pi / 2 * (1 - double(r) / rings), angle = 2 * std::numbers::pi * i / n;
+      const double polar = std::numbers::pi / 2 * (1 - double(r) / rings),
+                   angle = 2 * std::numbers::pi * i / n;
       soup.positions.emplace_back(std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle),
                                   r == 0 ? 0 : std::cos(polar));
     }
@@ -227,7 +230,8 @@ TEST(Simplify, LockedBordersStayToTheLastBit) {
   EXPECT_EQ(result.reason, StopReason::no_collapse_left);
 }
 
-/// A grid of two materials side by side with a straight border between them at x = 1/2, and an island in one corner.
+/// A grid of two materials side by side with a straight border between them at x = 1/2, and an island in one
+/// corner.
 PolygonSoup two_materials() {
   PolygonSoup soup = test::grid(16, true);
   soup.materials = {{"left", {1, 0, 0, 1}, ""}, {"right", {0, 1, 0, 1}, ""}};
@@ -300,7 +304,8 @@ TEST(Simplify, NormalsStayUnitAndColoursInRange) {
   }
   for (std::size_t v = 0; v < coarse.positions.size(); ++v) {
     const Vec3 expected = Vec3::Constant(0.5) + 0.25 * coarse.positions[v];
-    // Linear along each collapsed edge of a curved surface: off by some of the edge's length, 0.3 at this level.
+    // Linear along each collapsed edge of a curved surface: off by some of the edge's length, 0.3 at this
+    // level.
     EXPECT_LT((coarse.vertex_colors[v].head<3>() - expected).norm(), 0.05);
   }
 }
@@ -354,7 +359,8 @@ TEST(Simplify, SheetsOnACommonSpineStayTogether) {
     for (Index j = 0; j < n; ++j) {
       for (Index i = 0; i < n; ++i) {
         const auto vertex = [&](Index jj, Index ii) { return jj == 0 ? ii : base + (jj - 1) * (n + 1) + ii; };
-        soup.add_face(std::vector<Index>{vertex(j, i), vertex(j + 1, i), vertex(j + 1, i + 1), vertex(j, i + 1)});
+        soup.add_face(
+            std::vector<Index>{vertex(j, i), vertex(j + 1, i), vertex(j + 1, i + 1), vertex(j, i + 1)});
       }
     }
   }
@@ -375,8 +381,8 @@ TEST(Simplify, SheetsOnACommonSpineStayTogether) {
 }
 
 TEST(Simplify, AClosedTetrahedronCannotShrink) {
-  const PolygonMesh mesh = mesh_of(
-      test::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
+  const PolygonMesh mesh = mesh_of(test::soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                                 {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
   for (const CostPolicy cost : k_policies) {
     SimplifyOptions options = to_faces(1, cost);
     options.normal_threshold = -1;
@@ -389,7 +395,9 @@ TEST(Simplify, AClosedTetrahedronCannotShrink) {
 TEST(Simplify, CountsRefusalsByReason) {
   const SimplifyResult result = simplify(mesh_of(make_displaced_sphere(1000, true)), to_faces(1));
   EXPECT_EQ(result.reason, StopReason::no_collapse_left);
-  EXPECT_GT(result.refused[Refusal::topology] + result.refused[Refusal::duplicate] + result.refused[Refusal::flip], 0u);
+  EXPECT_GT(
+      result.refused[Refusal::topology] + result.refused[Refusal::duplicate] + result.refused[Refusal::flip],
+      0u);
 }
 
 TEST(Simplify, SameBytesForAnyNumberOfThreads) {

@@ -57,8 +57,8 @@ inline PolygonSoup hexagon_sheet(int n) {
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
       const int x = 3 * i, y = 2 * j + i % 2;
-      soup.add_face(std::vector<Index>{vertex(x + 2, y), vertex(x + 1, y + 1), vertex(x - 1, y + 1), vertex(x - 2, y),
-                                       vertex(x - 1, y - 1), vertex(x + 1, y - 1)});
+      soup.add_face(std::vector<Index>{vertex(x + 2, y), vertex(x + 1, y + 1), vertex(x - 1, y + 1),
+                                       vertex(x - 2, y), vertex(x - 1, y - 1), vertex(x + 1, y - 1)});
     }
   }
   return soup;
@@ -98,8 +98,8 @@ inline std::map<std::pair<Index, Index>, int> edge_counts(const PolygonSoup& sou
   return counts;
 }
 
-/// No polygon visits a vertex twice, has fewer than three corners, has no area, isn't finite, or occurs twice; and no edge
-/// has more faces than `most_faces_on_edge`.
+/// No polygon visits a vertex twice, has fewer than three corners, has no area, isn't finite, or occurs
+/// twice; and no edge has more faces than `most_faces_on_edge`.
 inline void expect_sound(const PolygonMesh& mesh, int most_faces_on_edge = 2) {
   PolygonSoup soup = to_soup(mesh);
   merge_identical_vertices(soup);

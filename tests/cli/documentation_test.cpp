@@ -1,0 +1,119 @@
+// What the documentation says of the command and of the code is so.
+#include "run_recede.h"
+
+#include <algorithm>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace recede::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path k_source = RECEDE_SOURCE;
+
+std::vector<fs::path> pages() {
+  std::vector<fs::path> found{k_source / "README.md", k_source / "CONTRIBUTING.md",
+                              k_source / "CHANGELOG.md"};
+  for (const auto& entry : fs::directory_iterator(k_source / "docs")) {
+    if (entry.path().extension() == ".md") found.push_back(entry.path());
+  }
+  return found;
+}
+
+std::set<std::string> matches(const std::string& text, const char* pattern) {
+  const std::regex expression(pattern);
+  std::set<std::string> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), expression), end; match != end; ++match) {
+    found.insert((*match)[1]);
+  }
+  return found;
+}
+
+/// Lines without the blanks in front of them: a page may show the middle of a function.
+std::string without_indentation(const std::string& text) {
+  std::istringstream lines(text);
+  std::string result, line;
+  while (std::getline(lines, line)) {
+    const std::size_t first = line.find_first_not_of(' ');
+    result += (first == line.npos ? "" : line.substr(first)) + "\n";
+  }
+  return result;
+}
+
+std::vector<std::string> cpp_blocks(const std::string& page) {
+  const std::string begin = "```cpp\n", end = "```";
+  std::vector<std::string> blocks;
+  for (std::size_t at = page.find(begin); at != page.npos; at = page.find(begin, at)) {
+    at += begin.size();
+    blocks.push_back(page.substr(at, page.find(end, at) - at));
+  }
+  return blocks;
+}
+
+TEST(Documentation, ShowsOnlyCodeOfTheExamplesThatTheTestsBuild) {
+  std::string examples;
+  for (const auto& entry : fs::directory_iterator(k_source / "examples")) {
+    if (entry.path().extension() == ".cpp") examples += without_indentation(read_whole_file(entry.path()));
+  }
+  for (const fs::path& page : pages()) {
+    for (const std::string& block : cpp_blocks(read_whole_file(page))) {
+      EXPECT_TRUE(examples.find(without_indentation(block)) != examples.npos) << page << " shows\n" << block;
+    }
+  }
+}
+
+TEST(Documentation, LinksOnlyToWhatIsThere) {
+  for (const fs::path& page : pages()) {
+    for (const std::string& link : matches(read_whole_file(page), R"(\]\(([^)#]+)[^)]*\))")) {
+      if (link.starts_with("https://")) continue;
+      EXPECT_TRUE(fs::exists(page.parent_path() / link)) << page << " links to " << link;
+    }
+  }
+}
+
+TEST(Documentation, HoldsOnlySmallPictures) {
+  for (const auto& entry : fs::directory_iterator(k_source / "docs/images")) {
+    EXPECT_LT(entry.file_size(), 150'000u) << entry.path();
+  }
+}
+
+TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
+  constexpr const char* k_option = "(--[a-z][-a-z]+)";
+  std::set<std::string> options{"--version"};
+  for (const char* command : {"bake", "simplify", "compare", "info"}) {
+    options.merge(matches(run_recede({command, "--help"}).output, k_option));
+  }
+  EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
+}
+
+/// Names of all fields in a document, whatever their depth.
+void collect_fields(const nlohmann::json& value, std::set<std::string>& names) {
+  if (value.is_object()) {
+    for (const auto& [name, field] : value.items()) names.insert(name);
+  }
+  for (const auto& field : value) {
+    if (field.is_structured()) collect_fields(field, names);
+  }
+}
+
+TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500), out = folder / "out";
+  std::set<std::string> fields;
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"info", sphere, "--json"},
+           {"compare", sphere, sphere, "--json"},
+           {"simplify", sphere, "-o", out + ".ply", "--ratio", "0.5", "--json"},
+           {"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report", "--json"}}) {
+    collect_fields(json_of(run_recede(arguments)), fields);
+  }
+  const std::string page = read_whole_file(k_source / "docs/command-line.md");
+  for (const std::string& field : fields) {
+    EXPECT_NE(page.find("`" + field + "`"), page.npos) << field << " isn't explained";
+  }
+}
+
+}  // namespace
+}  // namespace recede::test
