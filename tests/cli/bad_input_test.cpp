@@ -106,11 +106,11 @@ TEST(BadOutput, FileInTheWayOfTheFolderIsNamed) {
   const auto complaint = [&](const std::string& out) {
     return complaint_of(run_recede({"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report"}), 1);
   };
-  EXPECT_EQ(complaint(file), "recede: " + file + ": Not a directory");
+  EXPECT_EQ(complaint(file), "recede: " + file + ": isn't a folder");
   EXPECT_EQ(complaint(file + "/below"), "recede: " + file + "/below: Not a directory");
   const std::string ply = file + "/small.ply";
   EXPECT_EQ(complaint_of(run_recede({"simplify", sphere, "-o", ply, "--ratio", "0.5"}), 1),
-            "recede: " + ply + ": Not a directory");
+            "recede: " + ply + ": there is no folder " + file);
   EXPECT_THAT(names_below(folder / ""), ElementsAre("file", "sphere.ply"));
 }
 
@@ -119,7 +119,7 @@ TEST(BadOutput, FolderInTheWayOfTheFileIsNamed) {
   const std::string out = folder / "folder.ply";
   std::filesystem::create_directory(out);
   EXPECT_EQ(complaint_of(run_recede({"simplify", write_sphere(folder, 200), "-o", out, "--ratio", "0.5"}), 1),
-            "recede: " + out + ": Is a directory");
+            "recede: " + out + ": is a folder");
   EXPECT_THAT(names_below(out), IsEmpty());
 }
 
