@@ -1,0 +1,100 @@
+#include "bench_run.h"
+
+#include "models.h"
+
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <cstdlib>
+#include <regex>
+
+namespace recede::bench {
+namespace {
+
+const Goal k_tenth{.name = "10 % of the faces", .face_share = 0.1};
+const Goal k_hundredth{.name = "1 % of the faces", .face_share = 0.01};
+const Goal k_end{.name = "to its end"};
+const Goal k_quarter{.name = "25 % of the vertices", .vertex_share = 0.25};
+
+bool is_wanted(const std::string& name, const std::string& expression) {
+  return expression.empty() || std::regex_search(name, std::regex(expression));
+}
+
+std::vector<Goal> goals_for(const System& system, bool polygons) {
+  if (polygons) return system.takes_polygons ? std::vector{k_quarter} : std::vector<Goal>{};
+  if (!system.takes_triangles) return {};
+  if (system.runs_to_its_end) return {k_tenth, k_hundredth, k_end};
+  return {k_tenth, k_hundredth};
+}
+
+double load_average() {
+  double load = 0;
+  return ::getloadavg(&load, 1) == 1 ? load : -1;
+}
+
+Model prepare(const ModelSource& source) {
+  Model model{source.name, source.polygons, source.synthetic, load_model(source), {}};
+  model.defects = count_defects(model.soup);
+  // What the heap keeps would serve a child's first allocations and lower its peak.
+  ::malloc_trim(0);
+  return model;
+}
+
+void print_row(const Row& row) {
+  const std::string place = fmt::format("{}, {}, {}", row.model, row.goal, row.system);
+  if (!row.figures) return fmt::print(stderr, "{}: {}\n", place, row.remark);
+  const Figures& f = *row.figures;
+  const std::string errors = f.with_errors ? fmt::format(", max {:.3g}, RMS {:.3g}", f.max, f.rms) : "";
+  fmt::print(stderr, "{}: {} faces in {:.3g} s ({:.3g} s CPU){}{}{}\n", place, f.faces, f.seconds,
+             f.cpu_seconds, errors, row.remark.empty() ? "" : "; ", row.remark);
+}
+
+std::vector<System> wanted_systems(const BenchOptions& options) {
+  std::vector<System> systems = all_systems();
+  std::erase_if(systems, [&](const System& system) { return !is_wanted(system.name, options.systems); });
+  return systems;
+}
+
+std::vector<ModelSource> wanted(std::vector<ModelSource> sources, const BenchOptions& options) {
+  std::erase_if(sources, [&](const ModelSource& source) { return !is_wanted(source.name, options.models); });
+  return sources;
+}
+
+}  // namespace
+
+BenchResults run_bench(const BenchOptions& options,
+                       const std::function<void(const BenchResults&)>& after_model) {
+  BenchResults results;
+  results.load_at_start = load_average();
+  const std::vector<System> systems = wanted_systems(options);
+  const std::vector<ModelSource> sources = wanted(all_models(options.data, options.quick), options);
+  // Better now than after the first half hour.
+  for (const ModelSource& source : sources) require_file(source);
+  const auto finish_model = [&] {
+    results.load_at_end = load_average();
+    after_model(results);
+  };
+  for (const ModelSource& source : sources) {
+    const Model model = prepare(source);
+    for (const System& system : systems) {
+      for (const Goal& goal : goals_for(system, model.polygons)) {
+        results.rows.push_back(measure(system, model, goal, {options.repeats, true}));
+        print_row(results.rows.back());
+      }
+    }
+    finish_model();
+  }
+  if (!options.growth) return results;
+  for (const ModelSource& source : wanted(growing_models(options.quick), options)) {
+    const Model model = prepare(source);
+    for (const System& system : systems) {
+      if (!system.in_growth) continue;
+      results.growth.push_back(measure(system, model, k_tenth, {options.repeats, false}));
+      print_row(results.growth.back());
+    }
+    finish_model();
+  }
+  return results;
+}
+
+}  // namespace recede::bench

@@ -1,0 +1,114 @@
+// The parts that every command passes through: reading, building the half-edge mesh, nearest points,
+// distances.
+#include <recede/geometry/closest_point.h>
+#include <recede/geometry/mesh_distance.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/geometry/sample_models.h>
+
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <random>
+
+namespace {
+
+using namespace recede;
+
+const PolygonSoup& sphere_of_a_million() {
+  static const PolygonSoup soup = make_displaced_sphere(1'000'000, true);
+  return soup;
+}
+
+/// A file of the sphere that goes away with the object. It is read once more than measured, so that it comes
+/// from the page cache.
+class SphereFile {
+ public:
+  explicit SphereFile(const std::string& extension)
+      : path_(std::filesystem::temp_directory_path() /
+              ("recede_micro_bench_" + std::to_string(::getpid()) + extension)) {
+    write_soup(path_, sphere_of_a_million());
+  }
+  ~SphereFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  SphereFile(const SphereFile&) = delete;
+  SphereFile& operator=(const SphereFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void count_faces(benchmark::State& state, std::size_t faces) {
+  state.counters["faces/s"] =
+      benchmark::Counter(static_cast<double>(faces), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void read_file(benchmark::State& state, const std::string& extension) {
+  const SphereFile file(extension);
+  benchmark::DoNotOptimize(read_soup(file.path()));
+  for (auto _ : state) benchmark::DoNotOptimize(read_soup(file.path()));
+  count_faces(state, sphere_of_a_million().n_faces());
+  state.SetBytesProcessed(state.iterations() *
+                          static_cast<std::int64_t>(std::filesystem::file_size(file.path())));
+}
+
+void build_polygon_mesh(benchmark::State& state) {
+  const PolygonSoup& soup = sphere_of_a_million();
+  for (auto _ : state) benchmark::DoNotOptimize(to_polygon_mesh(soup));
+  count_faces(state, soup.n_faces());
+}
+
+void build_closest_point_tree(benchmark::State& state) {
+  const PolygonSoup& soup = sphere_of_a_million();
+  const std::vector<Index> triangles = triangulate(soup);
+  for (auto _ : state) benchmark::DoNotOptimize(ClosestPointTree(soup.positions, triangles));
+  count_faces(state, soup.n_faces());
+}
+
+/// Points near the surface, a neighbour's triangle as the hint when `hinted`.
+void find_closest_points(benchmark::State& state, bool hinted) {
+  const PolygonSoup& soup = sphere_of_a_million();
+  const ClosestPointTree tree(soup.positions, triangulate(soup));
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::size_t> any_vertex(0, soup.positions.size() - 1);
+  std::uniform_real_distribution<double> scale(0.99, 1.01);
+  std::vector<Vec3> points;
+  std::size_t vertex = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    vertex = hinted ? vertex + 1 : any_vertex(random);
+    points.push_back(scale(random) * soup.positions[vertex % soup.positions.size()]);
+  }
+  for (auto _ : state) {
+    Index hint = k_no_index;
+    for (const Vec3& p : points) {
+      const ClosestPointTree::Hit hit = tree.closest(p, hint);
+      if (hinted) hint = hit.triangle;
+      benchmark::DoNotOptimize(hit);
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
+}
+
+/// The million-face sphere against a coarser one.
+void measure_spheres(benchmark::State& state, bool with_bound) {
+  const PolygonSoup coarse = make_displaced_sphere(100'000, true);
+  DistanceOptions options;
+  if (with_bound) options.bound_tolerance = 0.05;
+  for (auto _ : state) benchmark::DoNotOptimize(measure_distance(sphere_of_a_million(), coarse, options));
+}
+
+BENCHMARK_CAPTURE(read_file, ply, std::string(".ply"))->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(read_file, obj, std::string(".obj"))->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(build_polygon_mesh)->Unit(benchmark::kMillisecond);
+BENCHMARK(build_closest_point_tree)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(find_closest_points, scattered, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(find_closest_points, neighbours_with_hint, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(measure_spheres, sampled, false)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(measure_spheres, sampled_and_bound, true)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+
+BENCHMARK_MAIN();

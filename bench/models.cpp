@@ -1,0 +1,84 @@
+#include "models.h"
+
+#include "child_process.h"
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/geometry/polygon_mesh.h>
+#include <recede/geometry/sample_models.h>
+
+#include <fmt/format.h>
+
+namespace recede::bench {
+namespace {
+
+constexpr unsigned k_load_seconds = 600;
+
+ModelSource from_file(const std::filesystem::path& data, const std::string& name) {
+  const std::filesystem::path path = data / (name + ".off");
+  return {.name = name, .file = path, .load = [path] { return read_soup(path); }};
+}
+
+ModelSource sphere(const std::string& name, std::size_t faces, bool triangles) {
+  return {.name = name, .polygons = !triangles, .synthetic = triangles, .load = [=] {
+            return make_displaced_sphere(faces, triangles);
+          }};
+}
+
+void round_to_float(PolygonSoup& soup) {
+  for (Vec3& p : soup.positions) p = p.cast<float>().cast<double>();
+}
+
+}  // namespace
+
+std::vector<ModelSource> all_models(const std::filesystem::path& data, bool quick) {
+  std::vector<ModelSource> models;
+  for (const char* name : {"fandisk_large", "armadillo", "bunny00", "refined_elephant"}) {
+    models.push_back(from_file(data, name));
+  }
+  models.push_back(sphere("sphere 250k", 250'000, true));
+  if (!quick) models.push_back(sphere("sphere 1M", 1'000'000, true));
+  models.push_back(sphere("quad sphere 25k", 25'000, false));
+  models.push_back({.name = "teapot", .polygons = true, .load = [] { return make_teapot(); }});
+  return models;
+}
+
+std::vector<ModelSource> growing_models(bool quick) {
+  std::vector<ModelSource> models;
+  for (const std::size_t thousands : {10, 30, 100, 300, 1000, 2000, 4000}) {
+    if (quick && thousands > 300) break;
+    models.push_back(sphere(fmt::format("sphere {}k", thousands), thousands * 1000, true));
+  }
+  return models;
+}
+
+void require_file(const ModelSource& source) {
+  if (source.file.empty() || std::filesystem::exists(source.file)) return;
+  throw InputError(fmt::format("{} is missing; `./dev data` fetches it", source.file.string()));
+}
+
+PolygonSoup load_model(const ModelSource& source) {
+  const ChildAnswer answer = run_in_child(
+      [&] {
+        PolygonSoup soup = source.load();
+        round_to_float(soup);
+        merge_identical_vertices(soup);
+        remove_degenerate_faces(soup);
+        remove_unreferenced_vertices(soup);
+        split_non_manifold(soup);
+        std::string bytes;
+        put(bytes, soup.positions);
+        put(bytes, soup.face_offsets);
+        put(bytes, soup.corner_vertices);
+        return bytes;
+      },
+      k_load_seconds);
+  if (!answer.succeeded) throw InputError(fmt::format("{}: {}", source.name, answer.failure));
+  PolygonSoup soup;
+  ByteReader reader(answer.bytes);
+  reader.take(soup.positions);
+  reader.take(soup.face_offsets);
+  reader.take(soup.corner_vertices);
+  return soup;
+}
+
+}  // namespace recede::bench

@@ -1,0 +1,47 @@
+#include "systems.h"
+
+namespace recede::bench {
+namespace {
+
+Outcome run(const PolygonSoup& soup, const SimplifyTarget& target, CostPolicy cost) {
+  Outcome outcome;
+  const auto start = std::chrono::steady_clock::now();
+  const PolygonMesh mesh = to_polygon_mesh(soup);
+  SimplifyOptions options;
+  options.target = target;
+  options.cost = cost;
+  outcome.setup_seconds = seconds_since(start);
+  const CallMeter meter;
+  const SimplifyResult simplified = simplify(mesh, options);
+  meter.stop(outcome);
+  outcome.result = to_soup(simplified.mesh);
+  outcome.reported_error = simplified.error_estimate;
+  if (simplified.reason == StopReason::no_collapse_left) outcome.remark = to_string(simplified.reason);
+  return outcome;
+}
+
+System make(const std::string& name, const std::string& label, CostPolicy cost) {
+  return {.name = name,
+          .label = label,
+          .takes_polygons = true,
+          .run = [cost](const PolygonSoup& soup, const SimplifyTarget& target) {
+            return run(soup, target, cost);
+          }};
+}
+
+}  // namespace
+
+void add_our_systems(std::vector<System>& systems) {
+  System quadric = make("Recede quadric, 1 thread", "Recede, 1", CostPolicy::quadric);
+  quadric.in_growth = true;
+  systems.push_back(quadric);
+  quadric.name = "Recede quadric, all threads";
+  quadric.label = "Recede, all";
+  quadric.all_threads = true;
+  systems.push_back(quadric);
+  System deviation = make("Recede normal deviation 0.99", "Recede normals", CostPolicy::normal_deviation);
+  deviation.runs_to_its_end = true;
+  systems.push_back(deviation);
+}
+
+}  // namespace recede::bench
