@@ -128,8 +128,14 @@ class BoundSearch {
   };
 
   /// `floor`: bounds below it need no further work. `lower`: a distance known to occur.
-  BoundSearch(const ClosestPointTree& to, double lower, double tolerance, double floor)
-      : to_(to), lower_(lower), tolerance_(tolerance), floor_(floor) {}
+  /// `n_triangles`: how many share the work.
+  BoundSearch(const ClosestPointTree& to, double lower, double tolerance, double floor,
+              std::size_t n_triangles)
+      : to_(to),
+        lower_(lower),
+        tolerance_(tolerance),
+        floor_(floor),
+        most_pieces_(std::max(k_most_pieces / n_triangles, k_least_share)) {}
 
   /// Interval over one triangle, [lower, upper]; `lower` is at least the one known before.
   Interval run(const Triangle& triangle) {
@@ -139,15 +145,16 @@ class BoundSearch {
     for (std::size_t visited = 0; !pieces_.empty(); ++visited) {
       const Piece piece = pieces_.back();
       pieces_.pop_back();
-      visit(piece, result, visited > k_most_pieces);
+      visit(piece, result, visited > most_pieces_);
     }
     return result;
   }
 
  private:
-  // Past this, a triangle's pieces keep the bound that they have: the interval stays true, only wider than
-  // asked.
-  static constexpr std::size_t k_most_pieces = 2'000'000;
+  // Past its share of these, a triangle's pieces keep the bound that they have: the interval stays true, only
+  // wider than asked. Surfaces made of slivers would otherwise be cut for hours.
+  static constexpr std::size_t k_most_pieces = 20'000'000;
+  static constexpr std::size_t k_least_share = 1000;
 
   struct Piece {
     Triangle corners;
@@ -245,6 +252,7 @@ class BoundSearch {
 
   const ClosestPointTree& to_;
   double lower_, tolerance_, floor_;
+  std::size_t most_pieces_;
   std::vector<Piece> pieces_;
 };
 
@@ -254,7 +262,7 @@ BoundSearch::Interval certified_interval(const Surface& from, const Surface& to,
                                          double tolerance, double floor) {
   std::vector<BoundSearch::Interval> intervals(from.n_triangles());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.n_triangles(), 64), [&](const auto& range) {
-    BoundSearch search(to.tree, lower, tolerance, floor);
+    BoundSearch search(to.tree, lower, tolerance, floor, from.n_triangles());
     for (std::size_t t = range.begin(); t < range.end(); ++t) intervals[t] = search.run(from.triangle(t));
   });
   BoundSearch::Interval result{lower, 0};

@@ -13,7 +13,8 @@ struct DistanceOptions {
   /// vertices.
   std::size_t samples = 200'000;
   /// Width of the certified interval relative to its upper end: `max_bound - max_lower <= tolerance *
-  /// max_bound`. Unset: no certified bound is computed.
+  /// max_bound`. Wider, and still true, where that would take more than some twenty million steps: surfaces
+  /// of slivers. Unset: no certified bound is computed.
   std::optional<double> bound_tolerance;
   /// A certified bound never gets finer than this times the diagonal of both surfaces' box; below that,
   /// distances are noise of double precision.
