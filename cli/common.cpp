@@ -55,7 +55,14 @@ CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
 }  // namespace
 
 void require_faces(const Model& model, const std::string& input) {
-  if (model.read.mesh.n_faces() == 0) throw InputError::in_file(input, "holds no faces");
+  if (model.read.mesh.n_faces() > 0) return;
+  std::string reason = "holds no faces";
+  for (const RepairStep& step : model.read.report.steps) {
+    if (step.name == "remove_degenerate_faces" && step.changed > 0) {
+      reason = "holds no faces after repair: " + step.detail;
+    }
+  }
+  throw InputError::in_file(input, reason);
 }
 
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle) {

@@ -283,11 +283,8 @@ void check(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& op
   }
 }
 
-}  // namespace
-
-MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options,
-                              Progress* progress) {
-  check(a, b, options);
+MeshDistance measure_at_unit_size(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options,
+                                  Progress* progress) {
   report_progress(progress, "measure", 0);
   const Surface first(a), second(b);
   MeshDistance distance;
@@ -315,6 +312,54 @@ MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const 
   distance.max_lower = std::max(forward.lower, backward.lower);
   distance.max_bound = std::max({forward.upper, backward.upper, distance.max_lower});
   report_progress(progress, "bound", 1);
+  return distance;
+}
+
+/// Power of two that brings the larger extent of both surfaces to about 1. Squares of lengths then neither
+/// overflow nor underflow, and scaling by it rounds nothing.
+int unit_exponent(const PolygonSoup& a, const PolygonSoup& b) {
+  Box3 box = bounding_box(a);
+  box.extend(bounding_box(b));
+  // Extents from 0, not from the box's lower corner: their difference could overflow.
+  const double largest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  return largest > 0 ? -std::ilogb(largest) : 0;
+}
+
+Vec3 scaled(const Vec3& p, int exponent) {
+  return {std::ldexp(p.x(), exponent), std::ldexp(p.y(), exponent), std::ldexp(p.z(), exponent)};
+}
+
+PolygonSoup scaled(const PolygonSoup& soup, int exponent) {
+  PolygonSoup result;
+  result.face_offsets = soup.face_offsets;
+  result.corner_vertices = soup.corner_vertices;
+  result.positions.reserve(soup.positions.size());
+  for (const Vec3& p : soup.positions) result.positions.push_back(scaled(p, exponent));
+  return result;
+}
+
+void scale(OneSidedDistance& side, int exponent) {
+  side.max = std::ldexp(side.max, exponent);
+  side.rms = std::ldexp(side.rms, exponent);
+  side.mean = std::ldexp(side.mean, exponent);
+  side.at = scaled(side.at, exponent);
+}
+
+}  // namespace
+
+MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options,
+                              Progress* progress) {
+  check(a, b, options);
+  const int exponent = unit_exponent(a, b);
+  MeshDistance distance = measure_at_unit_size(scaled(a, exponent), scaled(b, exponent), options, progress);
+  scale(distance.forward, -exponent);
+  scale(distance.backward, -exponent);
+  distance.max = std::ldexp(distance.max, -exponent);
+  distance.rms = std::ldexp(distance.rms, -exponent);
+  if (distance.max_bound) distance.max_bound = std::ldexp(*distance.max_bound, -exponent);
+  distance.max_lower = std::ldexp(distance.max_lower, -exponent);
+  distance.diagonal = std::ldexp(distance.diagonal, -exponent);
+  distance.samples_per_unit_area = std::ldexp(distance.samples_per_unit_area, 2 * exponent);
   return distance;
 }
 

@@ -38,46 +38,97 @@ double shape_quality(const PlanePolygon& polygon, std::size_t a, std::size_t b, 
   return longest > 0 ? polygon.twice_area(a, b, c) / longest : 0;
 }
 
-bool contains_other(const PlanePolygon& polygon, const std::vector<std::size_t>& loop, std::size_t a,
-                    std::size_t b, std::size_t c) {
-  for (const std::size_t p : loop) {
-    if (p == a || p == b || p == c) continue;
-    if (polygon.twice_area(a, b, p) >= 0 && polygon.twice_area(b, c, p) >= 0 &&
-        polygon.twice_area(c, a, p) >= 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
 using LocalTriangle = std::array<std::size_t, 3>;
 
-/// Clips the best-shaped ear until three corners are left. A polygon that crosses itself has no ear at some
-/// point; then the corner that turns most strongly goes first, so that every corner stays covered.
-void clip_ears(const PlanePolygon& polygon, std::vector<LocalTriangle>& triangles) {
-  std::vector<std::size_t> loop(polygon.points.size());
-  for (std::size_t i = 0; i < loop.size(); ++i) loop[i] = i;
-  while (loop.size() > 3) {
-    std::size_t best = 0;
-    double best_quality = -2;
-    bool best_is_ear = false;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::size_t a = loop[(i + loop.size() - 1) % loop.size()], b = loop[i],
-                        c = loop[(i + 1) % loop.size()];
-      const double quality = shape_quality(polygon, a, b, c);
-      const bool is_ear = quality > 0 && !contains_other(polygon, loop, a, b, c);
-      if ((is_ear && !best_is_ear) || (is_ear == best_is_ear && quality > best_quality)) {
-        best = i;
-        best_quality = quality;
-        best_is_ear = is_ear;
+/// Clips the best-shaped ear until three corners are left. Only corners that turn inward can lie in an ear,
+/// and only the neighbours of a clipped ear change, so a polygon of n corners costs about n squared simple
+/// steps.
+class EarClipper {
+ public:
+  explicit EarClipper(const PlanePolygon& polygon) : polygon_(polygon), loop_(polygon.points.size()) {
+    const std::size_t n = loop_.size();
+    for (std::size_t i = 0; i < n; ++i) loop_[i] = {(i + n - 1) % n, (i + 1) % n, 0, false};
+    for (std::size_t i = 0; i < n; ++i) loop_[i].quality = quality(i);
+  }
+
+  void run(std::vector<LocalTriangle>& triangles) {
+    std::size_t corner = 0;
+    for (std::size_t left = loop_.size(); left > 3; --left) {
+      const std::size_t ear = best_ear(corner);
+      triangles.push_back({loop_[ear].before, ear, loop_[ear].after});
+      corner = clip(ear);
+    }
+    triangles.push_back({loop_[corner].before, corner, loop_[corner].after});
+  }
+
+ private:
+  struct Corner {
+    std::size_t before, after;
+    double quality;
+    bool blocked;  // another corner lay in its triangle
+  };
+
+  double quality(std::size_t i) const { return shape_quality(polygon_, loop_[i].before, i, loop_[i].after); }
+
+  bool contains_other(std::size_t ear) const {
+    const std::size_t a = loop_[ear].before, c = loop_[ear].after;
+    for (std::size_t p = loop_[c].after; p != a; p = loop_[p].after) {
+      if (loop_[p].quality <= 0 && polygon_.twice_area(a, ear, p) >= 0 &&
+          polygon_.twice_area(ear, c, p) >= 0 && polygon_.twice_area(c, a, p) >= 0) {
+        return true;
       }
     }
-    triangles.push_back(
-        {loop[(best + loop.size() - 1) % loop.size()], loop[best], loop[(best + 1) % loop.size()]});
-    loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(best));
+    return false;
   }
-  triangles.push_back({loop[0], loop[1], loop[2]});
-}
+
+  /// The corner of best quality that isn't blocked, or `loop_.size()`.
+  std::size_t best_open(std::size_t start) const {
+    std::size_t best = loop_.size(), i = start;
+    do {
+      const bool better = best == loop_.size() || loop_[i].quality > loop_[best].quality;
+      if (!loop_[i].blocked && loop_[i].quality > 0 && better) best = i;
+      i = loop_[i].after;
+    } while (i != start);
+    return best;
+  }
+
+  std::size_t best_ear(std::size_t start) {
+    // A blocked corner may have become free since it was looked at: a second round sees all again.
+    for (int round = 0; round < 2; ++round) {
+      for (std::size_t ear = best_open(start); ear != loop_.size(); ear = best_open(start)) {
+        if (!contains_other(ear)) return ear;
+        loop_[ear].blocked = true;
+      }
+      std::size_t i = start;
+      do {
+        loop_[i].blocked = false;
+        i = loop_[i].after;
+      } while (i != start);
+    }
+    // A polygon that crosses itself: the corner that turns most strongly goes, so that every corner stays
+    // covered.
+    std::size_t best = start;
+    for (std::size_t i = loop_[start].after; i != start; i = loop_[i].after) {
+      if (loop_[i].quality > loop_[best].quality) best = i;
+    }
+    return best;
+  }
+
+  /// Takes the ear out; returns a corner that is left.
+  std::size_t clip(std::size_t ear) {
+    const std::size_t a = loop_[ear].before, c = loop_[ear].after;
+    loop_[a].after = c;
+    loop_[c].before = a;
+    for (const std::size_t i : {a, c}) {
+      loop_[i].quality = quality(i);
+      loop_[i].blocked = false;
+    }
+    return a;
+  }
+
+  const PlanePolygon& polygon_;
+  std::vector<Corner> loop_;
+};
 
 /// Diagonal 0-2 unless 1-3 is clearly better: a tie must not be decided by the last bit.
 void cut_quad(const PlanePolygon& polygon, std::vector<LocalTriangle>& triangles) {
@@ -110,7 +161,7 @@ void triangulate_polygon(const PolygonSoup& soup, std::size_t face, std::vector<
   if (corners.size() == 4) {
     cut_quad(polygon, triangles);
   } else {
-    clip_ears(polygon, triangles);
+    EarClipper(polygon).run(triangles);
   }
 }
 

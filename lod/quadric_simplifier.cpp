@@ -79,7 +79,7 @@ class QuadricSimplifier final : public Simplifier {
 
   void add_planes();
   void add_line_planes(Index face, const Vec3& normal);
-  std::vector<Candidate> rank_edges() const;
+  std::vector<Candidate> rank_edges();
   Placement place(Index first, Index second) const;
   Placement at_end(const Quadric& sum, Index removed, Index kept, const Vec3& center) const;
   Vec3 best_position(const Quadric& sum, Index first, Index second, const Vec3& center) const;
@@ -225,10 +225,11 @@ Placement QuadricSimplifier::place(Index first, Index second) const {
   return best;
 }
 
-std::vector<Candidate> QuadricSimplifier::rank_edges() const {
+std::vector<Candidate> QuadricSimplifier::rank_edges() {
   const std::size_t n_points = table_.positions.size();
   constexpr std::size_t k_block = 2048;  // points of one list; fixed, so that the order is
   std::vector<std::vector<Candidate>> blocks((n_points + k_block - 1) / k_block);
+  std::vector<std::size_t> refused(blocks.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1), [&](const auto& range) {
     std::vector<Index> neighbours;
     for (std::size_t block = range.begin(); block < range.end(); ++block) {
@@ -244,7 +245,10 @@ std::vector<Candidate> QuadricSimplifier::rank_edges() const {
         neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
         for (const Index q : neighbours) {
           const Placement placement = place(p, q);
-          if (placement.collapse.removed == k_no_index) continue;
+          if (placement.collapse.removed == k_no_index) {
+            ++refused[block];
+            continue;
+          }
           blocks[block].push_back({static_cast<float>(placement.cost), p, q});
         }
       }
@@ -253,6 +257,7 @@ std::vector<Candidate> QuadricSimplifier::rank_edges() const {
   std::vector<Candidate> candidates;
   std::size_t total = 0;
   for (const auto& block : blocks) total += block.size();
+  for (const std::size_t count_of_block : refused) counts_.refused[Refusal::border] += count_of_block;
   candidates.reserve(total);
   for (const auto& block : blocks) candidates.insert(candidates.end(), block.begin(), block.end());
   tbb::parallel_sort(candidates.begin(), candidates.end());

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <cmath>
 #include <random>
 
 namespace recede {
@@ -158,6 +159,23 @@ TEST(MeshDistance, GrowsWithTheUnitAndNotWithThePlace) {
   // At 1e6, coordinates have steps of 1e-10.
   EXPECT_NEAR(there.max, here.max, 1e-8);
   EXPECT_NEAR(*there.max_bound, *here.max_bound, 0.1 * *here.max_bound);
+}
+
+// Squared lengths of these would overflow and underflow; powers of two scale without rounding.
+TEST(MeshDistance, HoldsForTheLargestAndSmallestModels) {
+  const PolygonSoup a = make_displaced_sphere(300, true), b = make_displaced_sphere(100, true);
+  const DistanceOptions options{.samples = 1000, .bound_tolerance = 0.1};
+  const MeshDistance here = measure_distance(a, b, options);
+  for (const int exponent : {900, -900}) {
+    PolygonSoup c = a, d = b;
+    for (PolygonSoup* soup : {&c, &d}) {
+      for (Vec3& p : soup->positions) p *= std::ldexp(1.0, exponent);
+    }
+    const MeshDistance there = measure_distance(c, d, options);
+    EXPECT_EQ(there.max, std::ldexp(here.max, exponent));
+    EXPECT_EQ(there.rms, std::ldexp(here.rms, exponent));
+    EXPECT_EQ(*there.max_bound, std::ldexp(*here.max_bound, exponent));
+  }
 }
 
 TEST(MeshDistance, SameNumbersForAnyNumberOfThreads) {

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace recede {
@@ -175,6 +176,32 @@ TEST(Triangulate, CutsAConcavePolygonInsideItself) {
     area += signed_area;
   }
   EXPECT_DOUBLE_EQ(area, 3);
+}
+
+// A star of 4000 corners, every second one turning inward: its area is that of its triangles, and it takes no
+// time.
+TEST(Triangulate, CutsALargeStarIntoTrianglesOfItsOwnArea) {
+  constexpr Index n = 4000;
+  PolygonSoup soup;
+  std::vector<Index> face;
+  for (Index i = 0; i < n; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / n, r = i % 2 == 0 ? 1 : 0.5;
+    soup.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), 0);
+    face.push_back(i);
+  }
+  soup.add_face(face);
+  const std::vector<Index> triangles = triangulate(soup);
+  ASSERT_EQ(triangles.size(), 3 * (n - 2));
+  double area = 0;
+  for (std::size_t t = 0; t < triangles.size(); t += 3) {
+    const Vec3 a = soup.positions[triangles[t]], b = soup.positions[triangles[t + 1]],
+               c = soup.positions[triangles[t + 2]];
+    const double signed_area = 0.5 * (b - a).cross(c - a).z();
+    EXPECT_GE(signed_area, 0);
+    area += signed_area;
+  }
+  // 4000 sums of areas of size 1.
+  EXPECT_NEAR(area, vector_area(soup, 0).norm(), 1e-12);
 }
 
 TEST(Triangulate, CutsAConcaveQuadAtItsReflexCorner) {
