@@ -34,7 +34,8 @@ struct MeshDistance {
   OneSidedDistance backward;  ///< from the second to the first
   double max = 0;             ///< larger of both sampled maxima
   double rms = 0;             ///< both sides pooled, each weighted by its area
-  /// Certified: the two-sided Hausdorff distance of the triangulated surfaces lies in [max_lower, max_bound].
+  /// Certified, up to rounding in double precision: the two-sided Hausdorff distance of the triangulated
+  /// surfaces lies in [max_lower, max_bound].
   std::optional<double> max_bound;
   double max_lower = 0;
   double diagonal = 0;               ///< of the first surface's bounding box

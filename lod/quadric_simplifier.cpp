@@ -32,7 +32,8 @@ constexpr double k_regularization = 1e-7;
 constexpr double k_reach = 2.0;
 /// Share of all edges that one pass may collapse at most.
 constexpr double k_pass_share = 0.12;
-/// A cost that has grown by more than this factor since it was ranked waits for the next pass.
+/// At the pass's end a cost may have grown by this factor since it was ranked; beyond that the edge waits for
+/// the next pass.
 constexpr double k_grown = 1.2;
 /// Cosine between a polygon's normals before and after one collapse.
 constexpr double k_least_normal_cosine = 0.2;
