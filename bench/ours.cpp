@@ -32,13 +32,13 @@ System make(const std::string& name, const std::string& label, CostPolicy cost) 
 }  // namespace
 
 void add_our_systems(std::vector<System>& systems) {
-  System quadric = make("Recede quadric, 1 thread", "Recede, 1", CostPolicy::quadric);
-  quadric.in_growth = true;
-  systems.push_back(quadric);
-  quadric.name = "Recede quadric, all threads";
-  quadric.label = "Recede, all";
-  quadric.all_threads = true;
-  systems.push_back(quadric);
+  System volume = make("Recede, 1 thread", "Recede, 1", CostPolicy::volume);
+  volume.in_growth = true;
+  systems.push_back(volume);
+  volume.name = "Recede, all threads";
+  volume.label = "Recede, all";
+  volume.all_threads = true;
+  systems.push_back(volume);
   System deviation = make("Recede normal deviation 0.99", "Recede normals", CostPolicy::normal_deviation);
   deviation.runs_to_its_end = true;
   systems.push_back(deviation);

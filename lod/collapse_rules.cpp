@@ -11,9 +11,9 @@ namespace {
 void gather_ring(const CornerTable& table, Index of, Index other, std::vector<RingCorner>& ring) {
   ring.clear();
   table.each_corner(of, [&](Index corner) {
-    const Index before = table.point[table.previous(corner)], after = table.point[table.next[corner]];
-    const Index f = table.face[corner];
-    ring.push_back({corner, f, table.face_size[f], before, after, before == other || after == other});
+    const Index before = table.point_before(corner), after = table.point_after(corner);
+    const Index f = table.face(corner);
+    ring.push_back({corner, f, table.face_size(f), before, after, before == other || after == other});
   });
 }
 
@@ -24,18 +24,31 @@ void EdgeRings::gather(const CornerTable& table, Index removed_point, Index kept
   gather_ring(table, kept_point, removed_point, kept);
 }
 
+bool EdgeRings::lie_within(const CornerTable& table, Index first, Index last) const {
+  const auto inside = [&](Index p) { return p >= first && p < last; };
+  const auto lies_within = [&](const RingCorner& c) {
+    if (!inside(c.before) || !inside(c.after)) return false;
+    if (c.size == 3) return true;
+    bool all = true;
+    table.each_corner_of_face(c.face, [&](Index corner) { all = all && inside(table.point[corner]); });
+    return all;
+  };
+  return std::all_of(removed.begin(), removed.end(), lies_within) &&
+         std::all_of(kept.begin(), kept.end(), lies_within);
+}
+
 Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a, Index moved_b,
                        const Vec3& position) {
   const auto at = [&](Index corner) -> const Vec3& {
     const Index p = table.point[corner];
     return p == moved_a || p == moved_b ? position : table.positions[p];
   };
-  const Index start = table.face_corner[face];
+  const Index start = table.face_corner(face);
   const Vec3 origin = at(start);
-  Index corner = table.next[start];
+  Index corner = table.next(start);
   Vec3 a = at(corner) - origin;
   Vec3 sum = Vec3::Zero();
-  for (corner = table.next[corner]; corner != start; corner = table.next[corner]) {
+  for (corner = table.next(corner); corner != start; corner = table.next(corner)) {
     const Vec3 b = at(corner) - origin;
     sum += a.cross(b);
     a = b;
@@ -65,8 +78,8 @@ namespace {
 bool has_triangle_on(const CornerTable& table, Index x, Index y) {
   bool found = false;
   table.each_corner(x, [&](Index c) {
-    if (table.face_size[table.face[c]] != 3) return;
-    if (table.point[table.next[c]] == y || table.point[table.previous(c)] == y) found = true;
+    if (table.face_size(table.face(c)) != 3) return;
+    if (table.point_after(c) == y || table.point_before(c) == y) found = true;
   });
   return found;
 }
@@ -77,14 +90,14 @@ int polygon_loss(const CornerTable& table, Index first, Index second) {
   int triangles = 0, others = 0;
   bool row = false;
   table.each_corner(first, [&](Index c) {
-    const Index after = table.next[c], before = table.previous(c);
+    const Index after = table.next(c), before = table.previous(c);
     if (table.point[after] != second && table.point[before] != second) return;
-    const Index size = table.face_size[table.face[c]];
+    const Index size = table.face_size(table.face(c));
     ++(size == 3 ? triangles : others);
     if (size != 4) return;
     const bool runs_along = table.point[after] == second;
     const Index x = table.point[runs_along ? before : after];
-    const Index y = table.point[runs_along ? table.next[after] : table.previous(before)];
+    const Index y = table.point[runs_along ? table.next(after) : table.previous(before)];
     row = row || has_triangle_on(table, x, y);
   });
   if (others == 0) return 0;
@@ -92,34 +105,43 @@ int polygon_loss(const CornerTable& table, Index first, Index second) {
 }
 
 CollapseRules::CollapseRules(const CornerTable& table, double least_normal_cosine)
-    : table_(table),
-      least_cosine_(least_normal_cosine),
-      near_removed_(table.positions.size(), 0),
-      third_(table.positions.size(), 0) {}
+    : table_(table), least_cosine_(least_normal_cosine) {}
 
 bool CollapseRules::face_has_both(const RingCorner& corner, Index other) const {
   if (corner.size == 3 || corner.on_edge) return false;
-  for (Index c = table_.next[corner.corner]; c != corner.corner; c = table_.next[c]) {
+  for (Index c = table_.next(corner.corner); c != corner.corner; c = table_.next(c)) {
     if (table_.point[c] == other) return true;
   }
   return false;
 }
 
+bool CollapseRules::is_third(Index point) const {
+  return std::find(thirds_.begin(), thirds_.end(), point) != thirds_.end();
+}
+
 bool CollapseRules::breaks_link(const EdgeRings& rings, const Collapse& collapse) {
-  ++epoch_;
+  near_removed_.clear();
   thirds_.clear();
+  // Around a smooth point every neighbour comes after one corner and before another.
+  const bool removed_is_smooth = table_.classes[collapse.removed] == PointClass::smooth;
   for (const RingCorner& c : rings.removed) {
-    near_removed_[c.before] = near_removed_[c.after] = epoch_;
+    near_removed_.push_back(c.after);
+    if (!removed_is_smooth) near_removed_.push_back(c.before);
     if (face_has_both(c, collapse.kept)) return true;
-    if (!c.on_edge || c.size != 3) continue;
-    const Index third = c.before == collapse.kept ? c.after : c.before;
-    third_[third] = epoch_;
-    thirds_.push_back(third);
+    if (c.on_edge && c.size == 3) thirds_.push_back(c.before == collapse.kept ? c.after : c.before);
   }
+  constexpr std::size_t k_short = 32;
+  const bool is_long = near_removed_.size() > k_short;
+  if (is_long) std::sort(near_removed_.begin(), near_removed_.end());
+  const auto touches = [&](Index p) {
+    if (p == collapse.removed) return false;
+    const bool near = is_long ? std::binary_search(near_removed_.begin(), near_removed_.end(), p)
+                              : std::find(near_removed_.begin(), near_removed_.end(), p) != near_removed_.end();
+    return near && !is_third(p);
+  };
+  const bool kept_is_smooth = table_.classes[collapse.kept] == PointClass::smooth;
   for (const RingCorner& c : rings.kept) {
-    for (const Index p : {c.before, c.after}) {
-      if (p != collapse.removed && near_removed_[p] == epoch_ && third_[p] != epoch_) return true;
-    }
+    if (touches(c.after) || (!kept_is_smooth && touches(c.before))) return true;
   }
   // A third corner must keep a face beside the new point, or a piece of surface would vanish.
   const auto survives = [&](Index third) {
@@ -154,10 +176,10 @@ bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& coll
     if (c.on_edge) {
       if (!from_removed) return;  // met once, from the removed end
       const bool kept_is_before = c.before == collapse.kept;
-      const Index at_kept = kept_is_before ? table_.previous(c.corner) : table_.next[c.corner];
-      const Index beyond = table_.point[kept_is_before ? table_.previous(at_kept) : table_.next[at_kept]];
+      const Index at_kept = kept_is_before ? table_.previous(c.corner) : table_.next(c.corner);
+      const Index beyond = table_.point[kept_is_before ? table_.previous(at_kept) : table_.next(at_kept)];
       shapes_.push_back({beyond, kept_is_before ? c.after : c.before, c.size - 1, c.face});
-    } else if (shortens || (third_[c.before] == epoch_ && third_[c.after] == epoch_)) {
+    } else if (shortens || (is_third(c.before) && is_third(c.after))) {
       shapes_.push_back({c.before, c.after, c.size, c.face});
     }
   };
@@ -165,10 +187,10 @@ bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& coll
   for (const RingCorner& c : rings.kept) add(c, false);
   const auto vertices = [&](Index face) {
     std::vector<Index> points;
-    for (Index i = 0, c = table_.face_corner[face]; i < table_.face_size[face]; ++i, c = table_.next[c]) {
-      if (table_.point[c] != collapse.removed && table_.point[c] != collapse.kept)
-        points.push_back(table_.point[c]);
-    }
+    table_.each_corner_of_face(face, [&](Index c) {
+      const Index p = table_.point[c];
+      if (p != collapse.removed && p != collapse.kept) points.push_back(p);
+    });
     std::sort(points.begin(), points.end());
     return points;
   };
@@ -196,13 +218,13 @@ bool CollapseRules::turns_corner(const RingCorner& corner, Index moved, const Co
   };
   // The corner itself and its two neighbours change; those of the collapsed edge are skipped as they vanish.
   const Index c0 = corner.corner;
-  for (const Index middle : {table_.previous(c0), c0, table_.next[c0]}) {
-    Index before = table_.previous(middle), next = table_.next[middle];
+  for (const Index middle : {table_.previous(c0), c0, table_.next(c0)}) {
+    Index before = table_.previous(middle), next = table_.next(middle);
     if (corner.on_edge) {
       const Index other = moved == collapse.removed ? collapse.kept : collapse.removed;
       if (table_.point[middle] == other) continue;
       if (table_.point[before] == other && middle == c0) before = table_.previous(before);
-      if (table_.point[next] == other && middle == c0) next = table_.next[next];
+      if (table_.point[next] == other && middle == c0) next = table_.next(next);
     }
     const Index p = table_.point[before], q = table_.point[middle], r = table_.point[next];
     if (turn(p, q, r, false) > 0 && !(turn(p, q, r, true) > 0)) return true;

@@ -17,7 +17,7 @@ struct SharedSide {
 template <typename Visit>
 void each_shared_side(const CornerTable& table, Index a, Index b, Visit&& visit) {
   table.each_corner(a, [&](Index corner) {
-    const Index after = table.next[corner];
+    const Index after = table.next(corner);
     if (table.point[after] == b) visit(SharedSide{corner, after});
     const Index before = table.previous(corner);
     if (table.point[before] == b) visit(SharedSide{corner, before});
@@ -32,14 +32,14 @@ unsigned CornerTable::edge_kind(Index a, Index b) const {
   SharedSide first{};
   each_shared_side(*this, a, b, [&](const SharedSide& side) {
     ++sides;
-    const bool runs_along = next[side.at_a] == side.at_b;
+    const bool runs_along = next(side.at_a) == side.at_b;
     along += runs_along ? 1u : 0u;
     if (!feature.empty() && feature[runs_along ? side.at_a : side.at_b] != 0) kind |= k_feature_edge;
     if (sides == 1) {
       first = side;
       return;
     }
-    if (!face_material.empty() && face_material[face[side.at_a]] != face_material[face[first.at_a]]) {
+    if (!face_material.empty() && face_material[face(side.at_a)] != face_material[face(first.at_a)]) {
       kind |= k_material_edge;
     }
     if (wedge.empty()) return;
@@ -53,194 +53,6 @@ unsigned CornerTable::edge_kind(Index a, Index b) const {
   if (sides == 1) kind |= k_border_edge;
   if (sides > 2 || (sides == 2 && along != 1)) kind |= k_many_faces_edge;
   return kind;
-}
-
-namespace {
-
-/// Builds the table in the order of its parts: geometry, loops and rings, wedges, classes.
-class TableBuilder {
- public:
-  TableBuilder(const PolygonSoup& soup, const CornerTableOptions& options) : soup_(soup), options_(options) {}
-
-  CornerTable build() {
-    set_positions();
-    link_faces();
-    link_rings();
-    set_attributes();
-    classify_points();
-    return std::move(table_);
-  }
-
- private:
-  void set_positions() {
-    const Box3 box = bounding_box(soup_);
-    if (!soup_.positions.empty()) {
-      table_.origin = box.center();
-      table_.scale = box.sizes().maxCoeff();
-    }
-    if (!(table_.scale > 0)) table_.scale = 1;
-    table_.positions.reserve(soup_.positions.size());
-    for (const Vec3& p : soup_.positions) table_.positions.push_back((p - table_.origin) / table_.scale);
-    table_.colors = soup_.vertex_colors;
-  }
-
-  void link_faces() {
-    const std::size_t n = soup_.n_corners();
-    table_.point = soup_.corner_vertices;
-    table_.face.resize(n);
-    table_.next.resize(n);
-    table_.face_corner.resize(soup_.n_faces());
-    table_.face_size.resize(soup_.n_faces());
-    for (Index f = 0; f < soup_.n_faces(); ++f) {
-      const Index first = soup_.face_offsets[f], last = soup_.face_offsets[f + 1] - 1;
-      for (Index c = first; c <= last; ++c) {
-        table_.face[c] = f;
-        table_.next[c] = c == last ? first : c + 1;
-      }
-      table_.face_corner[f] = first;
-      table_.face_size[f] = last - first + 1;
-    }
-    table_.n_alive_faces = soup_.n_faces();
-    table_.face_material = soup_.face_materials;
-    table_.materials = soup_.materials;
-  }
-
-  void link_rings() {
-    table_.point_corner.assign(soup_.positions.size(), k_no_index);
-    table_.sibling.resize(soup_.n_corners());
-    std::vector<Index> last(soup_.positions.size(), k_no_index);
-    for (Index c = 0; c < soup_.n_corners(); ++c) {
-      const Index p = table_.point[c];
-      if (last[p] == k_no_index) {
-        table_.point_corner[p] = c;
-        ++table_.n_alive_points;
-      } else {
-        table_.sibling[last[p]] = c;
-      }
-      table_.sibling[c] = table_.point_corner[p];
-      last[p] = c;
-    }
-  }
-
-  void set_attributes() {
-    table_.has_uvs = !soup_.corner_uvs.empty();
-    table_.has_normals = !soup_.corner_normals.empty();
-    if (table_.has_uvs || table_.has_normals) make_wedges();
-    if (!soup_.feature_edges.empty()) mark_features();
-  }
-
-  Wedge corner_wedge(Index corner) const {
-    Wedge w;
-    if (table_.has_uvs) w.uv = soup_.corner_uvs[corner];
-    if (table_.has_normals) w.normal = soup_.corner_normals[corner];
-    return w;
-  }
-
-  /// True when a seam between the two would have to be kept.
-  bool differ(const Wedge& x, const Wedge& y) const {
-    return (options_.keep_uv_seams && x.uv != y.uv) || (options_.keep_normal_seams && x.normal != y.normal);
-  }
-
-  /// Corners of one point share a wedge when they agree in all that has to be kept.
-  void make_wedges() {
-    table_.wedge.assign(soup_.n_corners(), k_no_index);
-    std::vector<Index> of_point;
-    for (Index p = 0; p < soup_.positions.size(); ++p) {
-      of_point.clear();
-      table_.each_corner(p, [&](Index corner) {
-        const Wedge w = corner_wedge(corner);
-        const auto same = std::find_if(of_point.begin(), of_point.end(),
-                                       [&](Index known) { return !differ(table_.wedges[known], w); });
-        if (same != of_point.end()) {
-          table_.wedge[corner] = *same;
-          return;
-        }
-        table_.wedge[corner] = static_cast<Index>(table_.wedges.size());
-        of_point.push_back(table_.wedge[corner]);
-        table_.wedges.push_back(w);
-      });
-    }
-  }
-
-  void mark_features() {
-    table_.feature.assign(soup_.n_corners(), 0);
-    std::vector<std::pair<Index, Index>> marked = soup_.feature_edges;
-    for (auto& [a, b] : marked) {
-      if (a > b) std::swap(a, b);
-    }
-    std::sort(marked.begin(), marked.end());
-    for (Index c = 0; c < soup_.n_corners(); ++c) {
-      const std::pair<Index, Index> ends = std::minmax(table_.point[c], table_.point[table_.next[c]]);
-      table_.feature[c] = std::binary_search(marked.begin(), marked.end(), ends) ? 1 : 0;
-    }
-  }
-
-  /// Number of fans of faces around a point: its neighbours fall into that many sets when each corner joins
-  /// the two beside it.
-  std::size_t count_fans(const std::vector<Index>& neighbours, const std::vector<Index>& corners) {
-    parents_.resize(neighbours.size());
-    std::iota(parents_.begin(), parents_.end(), Index{0});
-    const auto root_of = [&](Index q) {
-      auto i =
-          static_cast<Index>(std::lower_bound(neighbours.begin(), neighbours.end(), q) - neighbours.begin());
-      while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-      return i;
-    };
-    std::size_t fans = neighbours.size();
-    for (const Index corner : corners) {
-      const Index x = root_of(table_.point[table_.next[corner]]),
-                  y = root_of(table_.point[table_.previous(corner)]);
-      if (x == y) continue;
-      parents_[x] = y;
-      --fans;
-    }
-    return fans;
-  }
-
-  void classify_points() {
-    table_.classes.assign(soup_.positions.size(), PointClass::smooth);
-    std::vector<Index> neighbours, corners;
-    for (Index p = 0; p < soup_.positions.size(); ++p) {
-      neighbours.clear();
-      corners.clear();
-      table_.each_corner(p, [&](Index corner) {
-        corners.push_back(corner);
-        neighbours.push_back(table_.point[table_.next[corner]]);
-        neighbours.push_back(table_.point[table_.previous(corner)]);
-      });
-      if (corners.empty()) continue;
-      std::sort(neighbours.begin(), neighbours.end());
-      neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-      table_.classes[p] = classify(p, neighbours, corners);
-    }
-  }
-
-  PointClass classify(Index p, const std::vector<Index>& neighbours, const std::vector<Index>& corners) {
-    std::array<unsigned, 2> kinds{};
-    std::size_t n_creases = 0;
-    for (const Index q : neighbours) {
-      const unsigned kind = table_.edge_kind(p, q);
-      if (kind == k_smooth_edge) continue;
-      if (n_creases < 2) kinds[n_creases] = kind;
-      ++n_creases;
-    }
-    if (count_fans(neighbours, corners) > 1) return PointClass::fixed;
-    if (n_creases == 0) return PointClass::smooth;
-    if (n_creases != 2 || kinds[0] != kinds[1]) return PointClass::fixed;
-    if (options_.lock_borders && (kinds[0] & k_border_edge) != 0) return PointClass::fixed;
-    return PointClass::crease;
-  }
-
-  const PolygonSoup& soup_;
-  const CornerTableOptions& options_;
-  CornerTable table_;
-  std::vector<Index> parents_;
-};
-
-}  // namespace
-
-CornerTable build_corner_table(const PolygonSoup& soup, const CornerTableOptions& options) {
-  return TableBuilder(soup, options).build();
 }
 
 namespace {
@@ -282,130 +94,213 @@ class WedgeMap {
   std::size_t size_ = 0;
 };
 
-void kill_corner(CornerTable& table, Index corner) { table.face[corner] = k_no_index; }
-
 /// Marks the sides between `p` and `q` in all faces when one of them is marked.
 void spread_feature(CornerTable& table, Index p, Index q) {
   if (table.feature.empty() || (table.edge_kind(p, q) & k_feature_edge) == 0) return;
   each_shared_side(table, p, q, [&](const SharedSide& side) {
-    table.feature[table.next[side.at_a] == side.at_b ? side.at_a : side.at_b] = 1;
+    table.feature[table.next(side.at_a) == side.at_b ? side.at_a : side.at_b] = 1;
   });
 }
 
 /// Takes the removed point's corner out of a face that has the edge; a triangle goes as a whole.
 void shorten_face(CornerTable& table, Index corner, CollapseEffect& effect) {
-  const Index f = table.face[corner];
-  const Index before = table.previous(corner), after = table.next[corner];
+  const Index f = table.face(corner);
+  const Index before = table.previous(corner), after = table.next(corner);
   ++effect.edge_faces;
-  if (table.face_size[f] == 3) {
-    for (const Index c : {before, corner, after}) kill_corner(table, c);
-    table.face_corner[f] = k_no_index;
-    --table.n_alive_faces;
+  if (table.face_size(f) == 3) {
+    for (const Index c : {before, corner, after}) table.point[c] = k_no_index;
+    if (table.has_polygons) table.loop_size[f] = 0;
     ++effect.removed_faces;
     return;
   }
-  table.next[before] = after;
-  kill_corner(table, corner);
-  table.face_corner[f] = after;
-  --table.face_size[f];
+  table.loop_next[before] = after;
+  table.point[corner] = k_no_index;
+  table.loop_start[f] = after;
+  --table.loop_size[f];
   ++effect.lost_sides;
 }
+
+/// Shortens the faces that have the edge, and gives the removed point's other corners to the kept one.
+class RingMerge {
+ public:
+  RingMerge(CornerTable& table, const Collapse& collapse) : table_(table), collapse_(collapse) {}
+
+  CollapseEffect carry_out() {
+    const WedgeMap wedges(table_, collapse_);
+    table_.each_corner(collapse_.removed, [&](Index corner) {
+      if (!shorten(corner)) give(corner, wedges);
+    });
+    // Two rings become one by exchanging a link.
+    std::swap(table_.merged[collapse_.removed], table_.merged[collapse_.kept]);
+    for (std::size_t i = 0; i < n_thirds_; ++i) spread_feature(table_, collapse_.kept, thirds_[i]);
+    return effect_;
+  }
+
+ private:
+  bool shorten(Index corner) {
+    const Index before = table_.previous(corner), after = table_.next(corner);
+    const bool before_is_kept = table_.point[before] == collapse_.kept,
+               after_is_kept = table_.point[after] == collapse_.kept;
+    if (!before_is_kept && !after_is_kept) return false;
+    if (table_.face_size(table_.face(corner)) == 3) {
+      if (n_thirds_ < thirds_.size()) thirds_[n_thirds_++] = table_.point[before_is_kept ? after : before];
+    } else if (!table_.feature.empty() && before_is_kept) {
+      table_.feature[before] = table_.feature[corner];  // the side kept-removed goes, removed-after stays
+    }
+    shorten_face(table_, corner, effect_);
+    return true;
+  }
+
+  void give(Index corner, const WedgeMap& wedges) {
+    table_.point[corner] = collapse_.kept;
+    if (table_.wedge.empty()) return;
+    const Index to = wedges.find(table_.wedge[corner]);
+    if (to != k_no_index) table_.wedge[corner] = to;
+  }
+
+  CornerTable& table_;
+  const Collapse& collapse_;
+  CollapseEffect effect_;
+  std::array<Index, 16> thirds_{};
+  std::size_t n_thirds_ = 0;
+};
 
 }  // namespace
 
 CollapseEffect apply_collapse(CornerTable& table, const Collapse& collapse) {
   const auto [removed, kept, position, share] = collapse;
-  CollapseEffect effect;
-  const WedgeMap wedges(table, collapse);
-  std::array<Index, 16> thirds{};
-  std::size_t n_thirds = 0;
-  // A face that has the edge is shortened; in every other one the kept point takes the removed one's place.
-  const Index start = table.point_corner[removed];
-  Index corner = start;
-  do {
-    const Index following = table.sibling[corner];
-    if (table.is_alive(corner)) {
-      const Index before = table.previous(corner), after = table.next[corner];
-      const bool before_is_kept = table.point[before] == kept, after_is_kept = table.point[after] == kept;
-      if (before_is_kept || after_is_kept) {
-        if (table.face_size[table.face[corner]] == 3 && n_thirds < thirds.size()) {
-          thirds[n_thirds++] = table.point[before_is_kept ? after : before];
-        } else if (!table.feature.empty() && before_is_kept) {
-          table.feature[before] = table.feature[corner];  // the side kept-removed goes, removed-after stays
-        }
-        shorten_face(table, corner, effect);
-      }
-    }
-    corner = following;
-  } while (corner != start);
-  do {
-    table.point[corner] = kept;
-    if (table.is_alive(corner) && !table.wedge.empty()) {
-      const Index to = wedges.find(table.wedge[corner]);
-      if (to != k_no_index) table.wedge[corner] = to;
-    }
-    corner = table.sibling[corner];
-  } while (corner != start);
-  // Two rings become one by exchanging a link.
-  std::swap(table.sibling[start], table.sibling[table.point_corner[kept]]);
-  table.point_corner[removed] = k_no_index;
-  --table.n_alive_points;
+  const CollapseEffect effect = RingMerge(table, collapse).carry_out();
   table.positions[kept] = position;
   if (!table.colors.empty() && share < 1) {
     table.colors[kept] = (1 - share) * table.colors[removed] + share * table.colors[kept];
   }
   table.classes[kept] = std::max(table.classes[kept], table.classes[removed]);
-  for (std::size_t i = 0; i < n_thirds; ++i) spread_feature(table, kept, thirds[i]);
   return effect;
 }
 
-void unlink_dead_corners(CornerTable& table) {
-  for (Index& head : table.point_corner) {
-    if (head == k_no_index) continue;
-    const Index start = head;
-    Index first = k_no_index, last = k_no_index, corner = start;
-    do {
-      const Index following = table.sibling[corner];
-      if (table.is_alive(corner)) {
-        if (first == k_no_index) first = corner;
-        if (last != k_no_index) table.sibling[last] = corner;
-        last = corner;
-      }
-      corner = following;
-    } while (corner != start);
-    head = first;
-    if (last != k_no_index) table.sibling[last] = first;
-    if (first == k_no_index) --table.n_alive_points;
+namespace {
+
+/// Moves what stays to the front of a list, which then has `size` entries.
+template <typename List, typename Stays>
+void keep(List& list, Stays&& stays) {
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (stays(i)) list[size++] = list[i];
+  }
+  list.resize(size);
+}
+
+void pack_loops(CornerTable& table) {
+  std::vector<Index> number(table.n_corners(), k_no_index);
+  Index n = 0;
+  for (Index c = 0; c < number.size(); ++c) {
+    if (table.is_alive(c)) number[c] = n++;
+  }
+  std::vector<Index> face_number(table.loop_size.size(), k_no_index);
+  n = 0;
+  for (Index f = 0; f < face_number.size(); ++f) {
+    if (table.is_face_alive(f)) face_number[f] = n++;
+  }
+  for (Index c = 0; c < table.n_corners(); ++c) {
+    if (!table.is_alive(c)) continue;
+    table.loop_next[number[c]] = number[table.loop_next[c]];
+    table.corner_face[number[c]] = face_number[table.corner_face[c]];
+  }
+  for (Index f = 0; f < face_number.size(); ++f) {
+    if (face_number[f] == k_no_index) continue;
+    table.loop_start[face_number[f]] = number[table.loop_start[f]];
+    table.loop_size[face_number[f]] = table.loop_size[f];
   }
 }
 
-PolygonSoup to_soup(const CornerTable& table) {
-  PolygonSoup soup;
-  std::vector<Index> vertex(table.positions.size(), k_no_index);
-  soup.positions.reserve(table.n_alive_points);
-  soup.face_offsets.reserve(table.n_alive_faces + 1);
-  for (Index f = 0; f < table.face_corner.size(); ++f) {
-    if (table.face_corner[f] == k_no_index) continue;
-    for (Index c = table.face_corner[f], i = 0; i < table.face_size[f]; ++i, c = table.next[c]) {
-      vertex[table.point[c]] = 0;
-    }
+void pack_faces(CornerTable& table) {
+  const auto face_stays = [&](std::size_t f) { return table.is_face_alive(static_cast<Index>(f)); };
+  const auto corner_stays = [&](std::size_t c) { return table.is_alive(static_cast<Index>(c)); };
+  // What tells the dead from the living goes last.
+  if (!table.face_material.empty()) keep(table.face_material, face_stays);
+  keep(table.source_face, face_stays);
+  if (!table.wedge.empty()) keep(table.wedge, corner_stays);
+  if (!table.feature.empty()) keep(table.feature, corner_stays);
+  if (table.has_polygons) pack_loops(table);
+  keep(table.point, corner_stays);
+  if (!table.has_polygons) return;
+  table.loop_next.resize(table.n_corners());
+  table.corner_face.resize(table.n_corners());
+  table.loop_start.resize(table.n_faces());
+  table.loop_size.resize(table.n_faces());
+}
+
+}  // namespace
+
+void link_rings(CornerTable& table) {
+  table.ring_start.assign(table.n_points() + 1, 0);
+  for (const Index p : table.point) ++table.ring_start[p + 1];
+  std::partial_sum(table.ring_start.begin(), table.ring_start.end(), table.ring_start.begin());
+  table.ring.resize(table.n_corners());
+  // `merged` serves as the places to write to before it gets its own content.
+  table.merged.assign(table.ring_start.begin(), table.ring_start.end() - 1);
+  for (Index c = 0; c < table.n_corners(); ++c) table.ring[table.merged[table.point[c]]++] = c;
+  std::iota(table.merged.begin(), table.merged.end(), Index{0});
+}
+
+std::vector<Index> pack(CornerTable& table) {
+  pack_faces(table);
+  std::vector<Index> number(table.n_points(), k_no_index);
+  for (const Index p : table.point) number[p] = 0;
+  std::vector<Index> old_number;
+  old_number.reserve(table.n_alive_points);
+  for (Index p = 0; p < number.size(); ++p) {
+    if (number[p] == k_no_index) continue;
+    number[p] = static_cast<Index>(old_number.size());
+    old_number.push_back(p);
   }
-  for (Index p = 0; p < vertex.size(); ++p) {
-    if (vertex[p] == k_no_index) continue;
+  for (Index& p : table.point) p = number[p];
+  const auto gather = [&](auto& list) {
+    if (list.empty()) return;
+    for (std::size_t i = 0; i < old_number.size(); ++i) list[i] = list[old_number[i]];
+    list.resize(old_number.size());
+  };
+  gather(table.positions);
+  gather(table.classes);
+  gather(table.colors);
+  gather(table.source_vertex);
+  link_rings(table);
+  return old_number;
+}
+
+PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_positions) {
+  // In the order of the input.
+  std::vector<Index> faces, points;
+  for (Index f = 0; f < table.n_faces(); ++f) {
+    if (table.is_face_alive(f)) faces.push_back(f);
+  }
+  std::sort(faces.begin(), faces.end(),
+            [&](Index f, Index g) { return std::pair(table.source_face[f], f) < std::pair(table.source_face[g], g); });
+  std::vector<Index> vertex(table.n_points(), k_no_index);
+  for (const Index f : faces) table.each_corner_of_face(f, [&](Index c) { vertex[table.point[c]] = 0; });
+  for (Index p = 0; p < table.n_points(); ++p) {
+    if (vertex[p] == 0) points.push_back(p);
+  }
+  std::sort(points.begin(), points.end(),
+            [&](Index p, Index q) { return table.source_vertex[p] < table.source_vertex[q]; });
+  PolygonSoup soup;
+  soup.positions.reserve(points.size());
+  for (const Index p : points) {
     vertex[p] = static_cast<Index>(soup.positions.size());
-    soup.positions.push_back(table.origin + table.scale * table.positions[p]);
+    const Vec3& source = source_positions[table.source_vertex[p]];
+    const bool unmoved = (source - table.origin) / table.scale == table.positions[p];
+    soup.positions.push_back(unmoved ? source : Vec3(table.origin + table.scale * table.positions[p]));
     if (!table.colors.empty()) soup.vertex_colors.push_back(table.colors[p]);
   }
-  for (Index f = 0; f < table.face_corner.size(); ++f) {
-    if (table.face_corner[f] == k_no_index) continue;
-    for (Index c = table.face_corner[f], i = 0; i < table.face_size[f]; ++i, c = table.next[c]) {
+  soup.face_offsets.reserve(faces.size() + 1);
+  for (const Index f : faces) {
+    table.each_corner_of_face(f, [&](Index c) {
       soup.corner_vertices.push_back(vertex[table.point[c]]);
       if (table.has_uvs) soup.corner_uvs.push_back(table.wedges[table.wedge[c]].uv);
       if (table.has_normals) soup.corner_normals.push_back(table.wedges[table.wedge[c]].normal);
-      if (table.feature.empty() || table.feature[c] == 0) continue;
-      soup.feature_edges.emplace_back(
-          std::minmax(vertex[table.point[c]], vertex[table.point[table.next[c]]]));
-    }
+      if (table.feature.empty() || table.feature[c] == 0) return;
+      soup.feature_edges.emplace_back(std::minmax(vertex[table.point[c]], vertex[table.point_after(c)]));
+    });
     soup.face_offsets.push_back(static_cast<Index>(soup.corner_vertices.size()));
     if (!table.face_material.empty()) soup.face_materials.push_back(table.face_material[f]);
   }

@@ -50,13 +50,7 @@ class NormalDeviationSimplifier final : public Simplifier {
         random_(options.seed),
         draws_(std::ceil(options.candidate_share * static_cast<double>(table_.n_alive_faces))),
         use_corner_normals_(options.polygon_normal == PolygonNormal::source && table_.has_normals) {
-    altered_.resize(table_.face_corner.size());
-    deviation_.resize(table_.positions.size(), 0);
-    normals_.resize(table_.face_corner.size());
-    tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(normals_.size())),
-                      [&](const auto& range) {
-                        for (Index f = range.begin(); f < range.end(); ++f) normals_[f] = normal(f, {});
-                      });
+    deviation_.resize(table_.n_points(), 0);
   }
 
  private:
@@ -65,6 +59,7 @@ class NormalDeviationSimplifier final : public Simplifier {
 
   std::size_t pass(const Limits& limits, Progress* progress) override;
 
+  void start_sweep();
   void list_edges();
   void rank_all_edges();
   Vec3 normal(Index face, const Collapse& collapse) const;
@@ -98,22 +93,21 @@ class NormalDeviationSimplifier final : public Simplifier {
 
 /// Direction of a polygon with the collapse carried out; see `PolygonNormal`. Zero where there is none.
 Vec3 NormalDeviationSimplifier::normal(Index face, const Collapse& collapse) const {
-  if (table_.face_corner[face] == k_no_index) return Vec3::Zero();
+  if (!table_.is_face_alive(face)) return Vec3::Zero();
   constexpr std::size_t k_on_stack = 32;  // larger polygons are rare and may allocate
   std::array<Vec3, k_on_stack> buffer;
   std::vector<Vec3> large;
-  if (table_.face_size[face] > k_on_stack) large.resize(table_.face_size[face]);
+  if (table_.face_size(face) > k_on_stack) large.resize(table_.face_size(face));
   Vec3* const points = large.empty() ? buffer.data() : large.data();
   std::size_t n = 0;
   bool met = false;  // the new point stands once, although both ends may be corners
-  Index corner = table_.face_corner[face];
-  for (Index i = 0; i < table_.face_size[face]; ++i, corner = table_.next[corner]) {
+  table_.each_corner_of_face(face, [&](Index corner) {
     const Index p = table_.point[corner];
     const bool moves = p == collapse.removed || p == collapse.kept;
-    if (moves && met) continue;
+    if (moves && met) return;
     met = met || moves;
     points[n++] = moves ? collapse.position : table_.positions[p];
-  }
+  });
   const std::span<const Vec3> polygon(points, n);
   if (options_.polygon_normal == PolygonNormal::vector_area) return vector_area_normal(polygon);
   const Vec3 by_corners = corner_average_normal(polygon);
@@ -124,20 +118,19 @@ Vec3 NormalDeviationSimplifier::normal(Index face, const Collapse& collapse) con
 
 Vec3 NormalDeviationSimplifier::corner_normal_mean(Index face, const Collapse& collapse) const {
   Vec3 sum = Vec3::Zero();
-  Index corner = table_.face_corner[face];
-  for (Index i = 0; i < table_.face_size[face]; ++i, corner = table_.next[corner]) {
+  table_.each_corner_of_face(face, [&](Index corner) {
     if (table_.point[corner] != collapse.removed) {
       sum += table_.wedges[table_.wedge[corner]].normal;
-      continue;
+      return;
     }
     // The removed point's corner takes the kept one's normal, from a face that has the edge.
     Index at_kept = k_no_index;
     table_.each_corner(collapse.kept, [&](Index c) {
-      const Index before = table_.point[table_.previous(c)], after = table_.point[table_.next[c]];
+      const Index before = table_.point_before(c), after = table_.point_after(c);
       if (before == collapse.removed || after == collapse.removed) at_kept = c;
     });
     if (at_kept != k_no_index) sum += table_.wedges[table_.wedge[at_kept]].normal;
-  }
+  });
   return sum;
 }
 
@@ -160,10 +153,10 @@ double NormalDeviationSimplifier::cost_of(const Collapse& collapse) const {
   double least = 1;
   const auto look = [&](Index of, Index other, bool skip_edge_faces) {
     table_.each_corner(of, [&](Index corner) {
-      const Index f = table_.face[corner];
+      const Index f = table_.face(corner);
       const bool on_edge =
-          table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
-      if (on_edge && (skip_edge_faces || table_.face_size[f] == 3)) return;
+          table_.point_after(corner) == other || table_.point_before(corner) == other;
+      if (on_edge && (skip_edge_faces || table_.face_size(f) == 3)) return;
       const Vec3& before = normals_[f];
       if (before.isZero(0)) return;
       const Vec3 after = normal(f, collapse);
@@ -185,7 +178,7 @@ double NormalDeviationSimplifier::line_turn(const Collapse& collapse) const {
   };
   const auto look = [&](Index end, Index other) {
     table_.each_corner(end, [&](Index corner) {
-      for (const Index q : {table_.point[table_.next[corner]], table_.point[table_.previous(corner)]}) {
+      for (const Index q : {table_.point_after(corner), table_.point_before(corner)}) {
         if (q == other || table_.classes[q] == PointClass::smooth ||
             table_.edge_kind(end, q) == k_smooth_edge)
           continue;
@@ -222,10 +215,10 @@ EdgeCost NormalDeviationSimplifier::evaluate(const Edge& edge) const {
 /// Lists the edges of the table as it stands and names them in every corner.
 void NormalDeviationSimplifier::list_edges() {
   edges_.clear();
-  edge_of_side_.assign(table_.point.size(), k_no_index);
+  edge_of_side_.assign(table_.n_corners(), k_no_index);
   // The edge to a point and the point from which it was last met: finds an edge at once, also at hubs.
-  std::vector<Edge> last(table_.positions.size(), {k_no_index, k_no_index});
-  for (Index p = 0; p < table_.positions.size(); ++p) {
+  std::vector<Edge> last(table_.n_points(), {k_no_index, k_no_index});
+  for (Index p = 0; p < table_.n_points(); ++p) {
     const auto name = [&](Index side, Index q) {
       if (q < p) return;
       if (last[q].first != p) {
@@ -235,7 +228,7 @@ void NormalDeviationSimplifier::list_edges() {
       edge_of_side_[side] = last[q].second;
     };
     table_.each_corner(p, [&](Index corner) {
-      name(corner, table_.point[table_.next[corner]]);
+      name(corner, table_.point_after(corner));
       const Index before = table_.previous(corner);
       name(before, table_.point[before]);
     });
@@ -315,14 +308,15 @@ bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
   }
   // Sides of faces that vanish or change lose their edges before the corners go.
   for (const Index f : changed_) {
-    Index corner = table_.face_corner[f];
-    for (Index i = 0; i < table_.face_size[f]; ++i, corner = table_.next[corner]) {
+    table_.each_corner_of_face(f, [&](Index corner) {
       ranked_->erase(edge_of_side_[corner]);
       costs_[edge_of_side_[corner]].cost = 4;
-    }
+    });
     altered_[f] = 1;
   }
-  count(apply_collapse(table_, collapse));
+  RunCounts made;
+  made.add(apply_collapse(table_, collapse));
+  count(made);
   deviation_[collapse.kept] = deviation;
   counts_.error = std::max(counts_.error, deviation);
   for (const Index f : changed_) normals_[f] = normal(f, {});
@@ -337,8 +331,8 @@ bool NormalDeviationSimplifier::is_eligible(const Edge& edge) const {
               other = first_is_smaller ? edge.second : edge.first;
   table_.each_corner(at, [&](Index corner) {
     const bool on_edge =
-        table_.point[table_.next[corner]] == other || table_.point[table_.previous(corner)] == other;
-    if (on_edge && altered_[table_.face[corner]] != 0) eligible = false;
+        table_.point_after(corner) == other || table_.point_before(corner) == other;
+    if (on_edge && altered_[table_.face(corner)] != 0) eligible = false;
   });
   return eligible;
 }
@@ -349,14 +343,13 @@ void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_
   ++stale_epoch_;
   stale_.clear();
   for (const Index f : changed_faces) {
-    if (table_.face_corner[f] == k_no_index) continue;
-    Index at = table_.face_corner[f];
-    for (Index i = 0; i < table_.face_size[f]; ++i, at = table_.next[at]) {
-      if (valence_[table_.point[at]] > k_hub) continue;  // what is around it is seen from its neighbours
+    if (!table_.is_face_alive(f)) continue;
+    table_.each_corner_of_face(f, [&](Index at) {
+      if (valence_[table_.point[at]] > k_hub) return;  // what is around it is seen from its neighbours
       table_.each_corner(table_.point[at], [&](Index corner) {
-        if (altered_[table_.face[corner]] != 0) return;
+        if (altered_[table_.face(corner)] != 0) return;
         // All sides of the polygon: those that don't touch the corner see it across a quad (`polygon_loss`).
-        for (Index side = table_.next[corner];; side = table_.next[side]) {
+        for (Index side = table_.next(corner);; side = table_.next(side)) {
           const Index edge = edge_of_side_[side];
           if (stale_mark_[edge] != stale_epoch_) {
             stale_mark_[edge] = stale_epoch_;
@@ -365,7 +358,7 @@ void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_
           if (side == corner) break;
         }
       });
-    }
+    });
   }
   const double most = 1 - options_.normal_threshold;
   for (const Index edge : stale_) {
@@ -378,14 +371,26 @@ void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_
   }
 }
 
-std::size_t NormalDeviationSimplifier::pass(const Limits& limits, Progress* progress) {
-  ++counts_.passes;
-  unlink_dead_corners(table_);
-  std::fill(altered_.begin(), altered_.end(), 0);
-  valence_.assign(table_.positions.size(), 0);
-  for (Index c = 0; c < table_.point.size(); ++c) valence_[table_.point[c]] += table_.is_alive(c) ? 1u : 0u;
+/// Brings the table and what is kept by point or face up to date.
+void NormalDeviationSimplifier::start_sweep() {
+  const std::vector<Index> old_number = pack(table_);
+  for (std::size_t p = 0; p < old_number.size(); ++p) deviation_[p] = deviation_[old_number[p]];
+  deviation_.resize(old_number.size());
+  altered_.assign(table_.n_faces(), 0);
+  normals_.resize(table_.n_faces());
+  tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(normals_.size())),
+                    [&](const auto& range) {
+                      for (Index f = range.begin(); f < range.end(); ++f) normals_[f] = normal(f, {});
+                    });
+  valence_.resize(table_.n_points());
+  for (Index p = 0; p < table_.n_points(); ++p) valence_[p] = table_.ring_start[p + 1] - table_.ring_start[p];
   list_edges();
   rank_all_edges();
+}
+
+std::size_t NormalDeviationSimplifier::pass(const Limits& limits, Progress* progress) {
+  ++counts_.passes;
+  start_sweep();
   std::size_t done = 0;
   while (ranked_->size() > 0 && !reached(limits)) {
     const Index edge = draw();

@@ -58,11 +58,27 @@ double Simplifier::fraction_done(const Limits& limits) const {
   return std::clamp(done, 0.0, 1.0);
 }
 
-void Simplifier::count(const CollapseEffect& effect) {
-  ++counts_.collapses;
-  if (effect.edge_faces == 2) ++counts_.interior_collapses;
-  counts_.removed_faces += effect.removed_faces;
-  counts_.lost_sides += effect.lost_sides;
+void RunCounts::add(const CollapseEffect& effect) {
+  ++collapses;
+  if (effect.edge_faces == 2) ++interior_collapses;
+  removed_faces += effect.removed_faces;
+  lost_sides += effect.lost_sides;
+}
+
+void RunCounts::add(const RunCounts& other) {
+  collapses += other.collapses;
+  interior_collapses += other.interior_collapses;
+  removed_faces += other.removed_faces;
+  lost_sides += other.lost_sides;
+  passes += other.passes;
+  error = std::max(error, other.error);
+  for (std::size_t i = 0; i < refused.counts.size(); ++i) refused.counts[i] += other.refused.counts[i];
+}
+
+void Simplifier::count(const RunCounts& counts) {
+  counts_.add(counts);
+  table_.n_alive_faces -= counts.removed_faces;
+  table_.n_alive_points -= counts.collapses;
 }
 
 StopReason Simplifier::run(const Limits& limits, Progress* progress) {
@@ -96,8 +112,8 @@ void check(const SimplifyOptions& options) {
   require(options.normal_threshold >= -1 && options.normal_threshold <= 1,
           "normal_threshold must lie in [-1, 1]");
   require(options.candidate_share > 0 && options.candidate_share <= 1, "candidate_share must lie in (0, 1]");
-  require(options.placement != VertexPlacement::optimal || options.cost == CostPolicy::quadric,
-          "placement optimal needs the cost quadric");
+  require(options.placement != VertexPlacement::optimal || options.cost == CostPolicy::volume,
+          "placement optimal needs the cost volume");
 }
 
 void check(const SimplifyTarget& target) {
@@ -124,15 +140,11 @@ Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double d
   return limits;
 }
 
-std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonMesh& mesh, const SimplifyOptions& options) {
-  PolygonSoup soup = to_soup(mesh);
-  // Copies of split vertices become one point again, so that they move in step.
-  merge_identical_vertices(soup);
-  remove_degenerate_faces(soup);
+std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonSoup& soup, const SimplifyOptions& options) {
   detail::CornerTable table = detail::build_corner_table(
       soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
-  return options.cost == CostPolicy::quadric
-             ? detail::make_quadric_simplifier(std::move(table), options)
+  return options.cost == CostPolicy::volume
+             ? detail::make_volume_simplifier(std::move(table), options)
              : detail::make_normal_deviation_simplifier(std::move(table), options);
 }
 
@@ -142,31 +154,26 @@ double diagonal_of(const detail::CornerTable& table) {
   return table.positions.empty() ? 0 : box.diagonal().norm();
 }
 
-}  // namespace
-
-std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
-                                            const SimplifyOptions& options, Progress* progress) {
-  check(options);
-  for (const SimplifyTarget& target : targets) check(target);
-  const auto start = Clock::now();
-  report_progress(progress, "prepare", 0);
-  const auto simplifier = make_simplifier(mesh, options);
-  const detail::CornerTable& table = simplifier->table();
+std::vector<SimplifyResult> run_levels(detail::Simplifier& simplifier,
+                                       const std::vector<Vec3>& source_positions,
+                                       std::span<const SimplifyTarget> targets, Clock::time_point start,
+                                       Progress* progress) {
+  const detail::CornerTable& table = simplifier.table();
   const double diagonal = diagonal_of(table);
   const std::size_t faces_before = table.n_alive_faces, vertices_before = table.n_alive_points;
   std::vector<SimplifyResult> results;
   for (const SimplifyTarget& target : targets) {
     SimplifyResult result;
-    result.reason = simplifier->run(to_limits(target, faces_before, diagonal, table.scale), progress);
-    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    PolygonSoup soup = to_soup(table);
+    result.reason = simplifier.run(to_limits(target, faces_before, diagonal, table.scale), progress);
+    PolygonSoup soup = to_soup(table, source_positions);
     result.vertices_after = soup.positions.size();
     split_non_manifold(soup);
     result.mesh = to_polygon_mesh(soup);
+    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     result.faces_before = faces_before;
     result.faces_after = table.n_alive_faces;
     result.vertices_before = vertices_before;
-    const detail::RunCounts& counts = simplifier->counts();
+    const detail::RunCounts& counts = simplifier.counts();
     result.collapses = counts.collapses;
     result.interior_collapses = counts.interior_collapses;
     result.removed_faces = counts.removed_faces;
@@ -177,6 +184,38 @@ std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<c
     results.push_back(std::move(result));
   }
   return results;
+}
+
+}  // namespace
+
+std::vector<SimplifyResult> simplify_levels(const PolygonSoup& soup, std::span<const SimplifyTarget> targets,
+                                            const SimplifyOptions& options, Progress* progress) {
+  check(options);
+  for (const SimplifyTarget& target : targets) check(target);
+  validate(soup, "simplify");
+  const auto start = Clock::now();
+  report_progress(progress, "prepare", 0);
+  const auto simplifier = make_simplifier(soup, options);
+  return run_levels(*simplifier, soup.positions, targets, start, progress);
+}
+
+std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
+                                            const SimplifyOptions& options, Progress* progress) {
+  check(options);
+  for (const SimplifyTarget& target : targets) check(target);
+  const auto start = Clock::now();
+  report_progress(progress, "prepare", 0);
+  PolygonSoup soup = to_soup(mesh);
+  validate(soup, "simplify");
+  const auto simplifier = make_simplifier(soup, options);
+  // Only the positions are looked at again.
+  const std::vector<Vec3> positions = std::move(soup.positions);
+  soup = {};
+  return run_levels(*simplifier, positions, targets, start, progress);
+}
+
+SimplifyResult simplify(const PolygonSoup& soup, const SimplifyOptions& options, Progress* progress) {
+  return std::move(simplify_levels(soup, {&options.target, 1}, options, progress).front());
 }
 
 SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options, Progress* progress) {

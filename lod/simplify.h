@@ -13,10 +13,10 @@ namespace recede {
 
 /// What decides which edge goes next.
 enum class CostPolicy {
-  /// Garland and Heckbert's plane quadrics, one per polygon (weighted by its area), kept relative to each
-  /// vertex; the new
-  /// vertex minimises them on the plane that preserves the enclosed volume (Lindstrom and Turk).
-  quadric,
+  /// Lindstrom and Turk 1998: a collapse costs the squared volumes (at borders and creases: areas) that the
+  /// polygons around the edge sweep, and the new vertex is the one that costs least among those that keep the
+  /// enclosed volume.
+  volume,
   /// Ramsey, Bertram and Hansen 2003: a collapse is as good as the smallest dot product between the normals
   /// of a
   /// changed polygon before and after, and permitted while that exceeds a threshold.
@@ -25,10 +25,10 @@ enum class CostPolicy {
 
 /// Where the vertex of a collapsed edge goes.
 enum class VertexPlacement {
-  automatic,  ///< `optimal` for `quadric`, `half_edge` for `normal_deviation`
+  automatic,  ///< `optimal` for `volume`, `half_edge` for `normal_deviation`
   half_edge,  ///< one of the two ends: vertices of the result are vertices of the input
   midpoint,   ///< middle of the edge ("full edge" in the source of `normal_deviation`)
-  optimal,    ///< best position for the cost; `quadric` only
+  optimal,    ///< best position for the cost; `volume` only
 };
 
 /// What stands for the normal of a polygon, which need not be flat.
@@ -46,7 +46,7 @@ enum class PolygonNormal {
 
 /// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost
 /// permits
-/// (`normal_deviation`) or as the mesh allows (`quadric`).
+/// (`normal_deviation`) or as the mesh allows (`volume`).
 struct SimplifyTarget {
   std::optional<std::size_t> faces{};     ///< at most this many faces
   std::optional<std::size_t> vertices{};  ///< at most this many vertices
@@ -58,7 +58,7 @@ struct SimplifyTarget {
 
 struct SimplifyOptions {
   SimplifyTarget target;
-  CostPolicy cost = CostPolicy::quadric;
+  CostPolicy cost = CostPolicy::volume;
   VertexPlacement placement = VertexPlacement::automatic;
 
   /// Leave every border vertex where it is, instead of collapsing borders along themselves.
@@ -115,10 +115,9 @@ struct SimplifyResult {
   std::size_t interior_collapses = 0;  ///< those of edges with exactly two faces
   std::size_t removed_faces = 0;       ///< each a triangle
   std::size_t lost_sides = 0;          ///< sides lost by faces that stay
-  std::size_t passes = 0;              ///< passes (`quadric`) or sweeps (`normal_deviation`)
-  /// Largest deviation that a collapse made, object units. `quadric`: root mean square distance to the merged
-  /// planes; `normal_deviation`: sum of the distances that a removed vertex stood off the surface. An
-  /// estimate, not a bound.
+  std::size_t passes = 0;              ///< passes (`volume`) or sweeps (`normal_deviation`)
+  /// Largest deviation from the input that the collapses may have made, object units: the distances by which
+  /// collapses at one place moved the surface, summed up. An estimate, not a bound.
   double error_estimate = 0;
   StopReason reason = StopReason::no_collapse_left;
   RefusedCollapses refused;
@@ -133,9 +132,17 @@ struct SimplifyResult {
 SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options = {},
                         Progress* progress = nullptr);
 
+/// The same for polygons without connectivity, which spares the half-edge mesh of the input: less time and
+/// memory. Vertices at bit-equal positions count as one. Throws `InputError` for what `validate` refuses.
+SimplifyResult simplify(const PolygonSoup& soup, const SimplifyOptions& options = {},
+                        Progress* progress = nullptr);
+
 /// One run that stops at each target in turn (fine to coarse) and hands out the mesh as it stands there.
 /// `options.target` is ignored. Counts and seconds of a result are those from the start of the run.
 std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
+                                            const SimplifyOptions& options = {},
+                                            Progress* progress = nullptr);
+std::vector<SimplifyResult> simplify_levels(const PolygonSoup& soup, std::span<const SimplifyTarget> targets,
                                             const SimplifyOptions& options = {},
                                             Progress* progress = nullptr);
 

@@ -20,6 +20,8 @@ struct RingCorner {
 struct EdgeRings {
   std::vector<RingCorner> removed, kept;
   void gather(const CornerTable& table, Index removed_point, Index kept_point);
+  /// True when all points of the faces are numbered from `first` up to, not including, `last`.
+  bool lie_within(const CornerTable& table, Index first, Index last) const;
 };
 
 /// Twice the vector area of a face, with `moved_a` and `moved_b` standing at `position` (k_no_index: nothing
@@ -41,7 +43,8 @@ EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second);
 /// two collapses together take a whole row of quads out; 2 when only larger polygons are shortened.
 int polygon_loss(const CornerTable& table, Index first, Index second);
 
-/// Tests collapses on one table. Not thread-safe: it marks points.
+/// Tests collapses on one table. Keeps lists between tests, so that no memory is allocated: one object per
+/// thread.
 class CollapseRules {
  public:
   /// `least_normal_cosine`: a polygon may turn in one collapse until the cosine between its normals falls to
@@ -53,6 +56,7 @@ class CollapseRules {
 
  private:
   bool breaks_link(const EdgeRings& rings, const Collapse& collapse);
+  bool is_third(Index point) const;
   bool face_has_both(const RingCorner& corner, Index other) const;
   bool closes_crease(const Collapse& collapse) const;
   bool makes_duplicate(const EdgeRings& rings, const Collapse& collapse);
@@ -62,9 +66,8 @@ class CollapseRules {
 
   const CornerTable& table_;
   double least_cosine_;
-  std::vector<Index> near_removed_, third_;  // epoch in which a point was marked
-  Index epoch_ = 0;
-  std::vector<Index> thirds_;
+  std::vector<Index> near_removed_;  // neighbours of the removed point
+  std::vector<Index> thirds_;        // third corners of the triangles on the edge
   struct Shape {
     Index before, after, size, face;
   };

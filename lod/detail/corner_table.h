@@ -32,23 +32,32 @@ struct Wedge {
   Vec3 normal = Vec3::Zero();
 };
 
+/// Points are numbered along a space-filling curve and faces by their points, so that neighbours lie near each
+/// other in memory and the numbering does not depend on that of the input. Between two calls of `pack`, faces
+/// and corners only die and points only merge; numbers stay.
 struct CornerTable {
   // By point.
-  std::vector<Vec3> positions;      ///< in the unit box; see `to_unit`
-  std::vector<Index> point_corner;  ///< a corner of the point's ring, or k_no_index: no faces, or collapsed
+  std::vector<Vec3> positions;  ///< in the unit box; see `origin` and `scale`
   std::vector<PointClass> classes;
-  std::vector<Vec4> colors;  ///< empty: none
+  std::vector<Vec4> colors;          ///< empty: none
+  std::vector<Index> source_vertex;  ///< in the input
+  std::vector<Index> ring_start;     ///< one more than points: where the point's corners begin in `ring`
+  std::vector<Index> merged;         ///< circular list of the points that became one since `pack`
 
-  // By corner. A dead corner has face k_no_index and is skipped in rings.
-  std::vector<Index> point, face, next;  ///< `next` runs around the face
-  std::vector<Index> sibling;            ///< next corner in the ring of the same point
-  std::vector<Index> wedge;              ///< empty: no corner attributes
-  std::vector<unsigned char> feature;    ///< empty: none; 1: the side to `next` is a feature edge
+  // By corner. Corners of a face of a table of triangles stand in threes.
+  std::vector<Index> point;            ///< k_no_index: the corner is dead
+  std::vector<Index> ring;             ///< corners sorted by the point that they had at `pack`
+  std::vector<Index> wedge;            ///< empty: no corner attributes
+  std::vector<unsigned char> feature;  ///< empty: none; 1: the side to the next corner is a feature edge
 
   // By face.
-  std::vector<Index> face_corner;  ///< a corner, or k_no_index: removed
-  std::vector<Index> face_size;
+  std::vector<Index> source_face;    ///< in the input
   std::vector<Index> face_material;  ///< empty: none
+
+  // Only when some face has more than three sides.
+  bool has_polygons = false;
+  std::vector<Index> loop_next, corner_face;  ///< by corner
+  std::vector<Index> loop_start, loop_size;   ///< by face: a corner, and the number of sides (0: dead)
 
   std::vector<Wedge> wedges;
   bool has_uvs = false, has_normals = false;
@@ -59,22 +68,47 @@ struct CornerTable {
   Vec3 origin = Vec3::Zero();
   double scale = 1;
 
-  bool is_alive(Index corner) const { return face[corner] != k_no_index; }
+  std::size_t n_points() const { return positions.size(); }
+  std::size_t n_corners() const { return point.size(); }
+  std::size_t n_faces() const { return source_face.size(); }
+
+  Index next(Index corner) const {
+    if (has_polygons) return loop_next[corner];
+    return corner % 3 == 2 ? corner - 2 : corner + 1;
+  }
   Index previous(Index corner) const {
-    Index before = next[corner];
-    while (next[before] != corner) before = next[before];
+    if (!has_polygons) return corner % 3 == 0 ? corner + 2 : corner - 1;
+    Index before = loop_next[corner];
+    while (loop_next[before] != corner) before = loop_next[before];
     return before;
   }
+  Index face(Index corner) const { return has_polygons ? corner_face[corner] : corner / 3; }
+  Index face_size(Index of_face) const { return has_polygons ? loop_size[of_face] : 3; }
+  Index face_corner(Index of_face) const { return has_polygons ? loop_start[of_face] : 3 * of_face; }
+  bool is_alive(Index corner) const { return point[corner] != k_no_index; }
+  bool is_face_alive(Index of_face) const {
+    return has_polygons ? loop_size[of_face] != 0 : is_alive(3 * of_face);
+  }
+  /// Point at the other end of the side that begins at the corner.
+  Index point_after(Index corner) const { return point[next(corner)]; }
+  Index point_before(Index corner) const { return point[previous(corner)]; }
+
   /// Calls `visit(corner)` for every live corner of the point.
   template <typename Visit>
   void each_corner(Index of_point, Visit&& visit) const {
-    const Index start = point_corner[of_point];
-    if (start == k_no_index) return;
-    Index corner = start;
+    Index part = of_point;
     do {
-      if (is_alive(corner)) visit(corner);
-      corner = sibling[corner];
-    } while (corner != start);
+      for (Index i = ring_start[part]; i < ring_start[part + 1]; ++i) {
+        if (is_alive(ring[i])) visit(ring[i]);
+      }
+      part = merged[part];
+    } while (part != of_point);
+  }
+  /// Calls `visit(corner)` for every corner of a live face, once around.
+  template <typename Visit>
+  void each_corner_of_face(Index of_face, Visit&& visit) const {
+    Index corner = face_corner(of_face);
+    for (Index i = face_size(of_face); i > 0; --i, corner = next(corner)) visit(corner);
   }
   /// Kind of the edge between two points; which seams count was decided when the table was built.
   unsigned edge_kind(Index a, Index b) const;
@@ -84,7 +118,8 @@ struct CornerTableOptions {
   bool keep_uv_seams = true, keep_normal_seams = true, lock_borders = false;
 };
 
-/// The table of a soup whose faces visit no vertex twice and whose vertices are merged by position.
+/// The table of a soup. Vertices at bit-equal positions become one point; what remains of faces that then
+/// visit a point twice is as in `remove_degenerate_faces`.
 CornerTable build_corner_table(const PolygonSoup& soup, const CornerTableOptions& options);
 
 /// A collapse: `removed` goes to `kept`, which moves to `position`. `share` says where between them
@@ -100,13 +135,19 @@ struct CollapseEffect {
   Index edge_faces = 0, removed_faces = 0, lost_sides = 0;
 };
 
-/// Carries out a collapse that `CollapseRules` allowed. Constant work for each corner of `removed`.
+/// Carries out a collapse that `CollapseRules` allowed; constant work for each corner of `removed`. The counts
+/// of live faces and points are the caller's to keep, so that collapses that share no face may run in
+/// parallel.
 CollapseEffect apply_collapse(CornerTable& table, const Collapse& collapse);
 
-/// Takes dead corners out of all rings.
-void unlink_dead_corners(CornerTable& table);
+/// Sorts the corners by their points. All must be alive.
+void link_rings(CornerTable& table);
 
-/// Live faces and points in table order, in object space. Vertices without faces are left out.
-PolygonSoup to_soup(const CornerTable& table);
+/// Takes out what is dead and numbers the rest anew, in the same order. Returns the old number of every point.
+std::vector<Index> pack(CornerTable& table);
+
+/// Live faces and points in the order of the input, in object space. Vertices without faces are left out. A
+/// point that never moved has the bits of `source_positions`, those of the input.
+PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_positions);
 
 }  // namespace recede::detail

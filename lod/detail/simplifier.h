@@ -20,6 +20,8 @@ struct RunCounts {
   std::size_t collapses = 0, interior_collapses = 0, removed_faces = 0, lost_sides = 0, passes = 0;
   double error = 0;  ///< table units
   RefusedCollapses refused;
+  void add(const CollapseEffect& effect);
+  void add(const RunCounts& other);
 };
 
 /// A table under simplification. A strategy derives from it and chooses the collapses.
@@ -47,7 +49,8 @@ class Simplifier {
   }
   /// Share of the way from `start_faces_` to the limit, for progress.
   double fraction_done(const Limits& limits) const;
-  void count(const CollapseEffect& effect);
+  /// Adds to the counts of the run and keeps those of the table.
+  void count(const RunCounts& counts);
 
   CornerTable table_;
   SimplifyOptions options_;
@@ -56,7 +59,7 @@ class Simplifier {
   std::size_t start_faces_ = 0, start_points_ = 0;
 };
 
-std::unique_ptr<Simplifier> make_quadric_simplifier(CornerTable table, const SimplifyOptions& options);
+std::unique_ptr<Simplifier> make_volume_simplifier(CornerTable table, const SimplifyOptions& options);
 std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table,
                                                              const SimplifyOptions& options);
 

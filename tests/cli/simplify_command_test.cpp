@@ -151,7 +151,7 @@ TEST(SimplifyCommand, StopsAtAnErrorWithoutCallingItAMiss) {
 TEST(SimplifyCommand, WritesTheSameBytesForAnyNumberOfThreads) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 20000);
-  for (const char* cost : {"quadric", "normal_deviation"}) {
+  for (const char* cost : {"volume", "normal_deviation"}) {
     for (const std::string extension : {".ply", ".glb"}) {
       const auto bytes = [&](const std::string& threads) {
         std::filesystem::create_directory(folder / threads);  // a GLB holds its own name

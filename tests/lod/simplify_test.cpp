@@ -15,21 +15,21 @@ namespace {
 using test::expect_sound;
 using test::mesh_of;
 
-SimplifyOptions to_ratio(double ratio, CostPolicy cost = CostPolicy::quadric) {
+SimplifyOptions to_ratio(double ratio, CostPolicy cost = CostPolicy::volume) {
   SimplifyOptions options;
   options.target.ratio = ratio;
   options.cost = cost;
   return options;
 }
 
-SimplifyOptions to_faces(std::size_t faces, CostPolicy cost = CostPolicy::quadric) {
+SimplifyOptions to_faces(std::size_t faces, CostPolicy cost = CostPolicy::volume) {
   SimplifyOptions options;
   options.target.faces = faces;
   options.cost = cost;
   return options;
 }
 
-constexpr CostPolicy k_policies[] = {CostPolicy::quadric, CostPolicy::normal_deviation};
+constexpr CostPolicy k_policies[] = {CostPolicy::volume, CostPolicy::normal_deviation};
 
 // A flat grid needs its four corners and nothing else: (0,0) --- (1,0) --- (1,1) --- (0,1).
 TEST(Simplify, ReducesAFlatGridToItsCornersExactly) {

@@ -1,0 +1,395 @@
+// From a soup to the flat table: points along a space-filling curve, faces by their points, attributes, classes.
+#include <recede/lod/detail/corner_table.h>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace recede::detail {
+namespace {
+
+/// Places on each axis of the curve's grid: 21 bits, so that three axes fit in 64.
+constexpr double k_curve_cells = 2097151;
+
+/// Every third bit of the result is one of `value`, which has 21.
+std::uint64_t spread_bits(std::uint64_t value) {
+  value = (value | value << 32) & 0x001f00000000ffffu;
+  value = (value | value << 16) & 0x001f0000ff0000ffu;
+  value = (value | value << 8) & 0x100f00f00f00f00fu;
+  value = (value | value << 4) & 0x10c30c30c30c30c3u;
+  return (value | value << 2) & 0x1249249249249249u;
+}
+
+/// Place on the Z-order curve of a position in the unit box around 0.
+std::uint64_t place_on_curve(const Vec3& position) {
+  std::uint64_t place = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cell = std::clamp(position[axis] + 0.5, 0.0, 1.0) * k_curve_cells;
+    place |= spread_bits(static_cast<std::uint64_t>(cell)) << axis;
+  }
+  return place;
+}
+
+struct PlacedVertex {
+  std::uint64_t place;
+  Index vertex;
+};
+
+/// Builds the table in the order of its parts: points, faces, rings, attributes, classes.
+class TableBuilder {
+ public:
+  TableBuilder(const PolygonSoup& soup, const CornerTableOptions& options) : soup_(soup), options_(options) {
+    set_points();
+  }
+
+  /// True when a face has two corners at one point; then there is no table.
+  bool visits_a_point_twice() const;
+  /// The lowest of the vertices at each vertex's place, `k_no_index` where no face uses it.
+  std::vector<Index> representatives() const;
+
+  CornerTable build() {
+    set_faces();
+    table_.n_alive_points = table_.n_points();
+    table_.n_alive_faces = table_.n_faces();
+    set_attributes();
+    classify_points();
+    return std::move(table_);
+  }
+
+ private:
+  void set_points();
+  std::vector<Index> order_of_faces() const;
+  void set_faces();
+  void set_loops();
+  void set_attributes();
+  Wedge corner_wedge(Index source_corner) const;
+  bool differ(const Wedge& x, const Wedge& y) const;
+  void make_wedges();
+  void mark_features();
+  void classify_points();
+  bool is_plain(Index p) const;
+  struct Scratch {
+    std::vector<Index> neighbours, corners, parents;
+  };
+  PointClass classify(Index p, Scratch& scratch) const;
+  std::size_t count_fans(Scratch& scratch) const;
+
+  const PolygonSoup& soup_;
+  const CornerTableOptions& options_;
+  CornerTable table_;
+  std::vector<Index> vertex_point_;   // by vertex; k_no_index: no face uses it
+  std::vector<Index> source_corner_;  // by corner; only with attributes
+};
+
+void TableBuilder::set_points() {
+  const Box3 box = bounding_box(soup_);
+  if (!soup_.positions.empty()) {
+    table_.origin = box.center();
+    table_.scale = box.sizes().maxCoeff();
+  }
+  if (!(table_.scale > 0)) table_.scale = 1;
+  const auto unit = [&](Index v) -> Vec3 { return (soup_.positions[v] - table_.origin) / table_.scale; };
+  vertex_point_.assign(soup_.positions.size(), k_no_index);
+  for (const Index v : soup_.corner_vertices) vertex_point_[v] = 0;
+  std::vector<PlacedVertex> order;
+  order.reserve(soup_.positions.size());
+  for (Index v = 0; v < vertex_point_.size(); ++v) {
+    if (vertex_point_[v] == 0) order.push_back({0, v});
+  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      order[i].place = place_on_curve(unit(order[i].vertex));
+    }
+  });
+  const auto position = [&](const PlacedVertex& x) -> const Vec3& { return soup_.positions[x.vertex]; };
+  tbb::parallel_sort(order.begin(), order.end(), [&](const PlacedVertex& x, const PlacedVertex& y) {
+    if (x.place != y.place) return x.place < y.place;
+    const Vec3 &p = position(x), &q = position(y);
+    if (p != q) return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+    return x.vertex < y.vertex;
+  });
+  table_.positions.reserve(order.size());
+  table_.source_vertex.reserve(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i == 0 || position(order[i]) != position(order[i - 1])) {
+      table_.positions.push_back(unit(order[i].vertex));
+      table_.source_vertex.push_back(order[i].vertex);
+      if (!soup_.vertex_colors.empty()) table_.colors.push_back(soup_.vertex_colors[order[i].vertex]);
+    }
+    vertex_point_[order[i].vertex] = static_cast<Index>(table_.positions.size() - 1);
+  }
+}
+
+bool TableBuilder::visits_a_point_twice() const {
+  std::vector<Index> points;
+  for (std::size_t f = 0; f < soup_.n_faces(); ++f) {
+    const auto face = soup_.face(f);
+    if (face.size() == 3) {
+      const Index a = vertex_point_[face[0]], b = vertex_point_[face[1]], c = vertex_point_[face[2]];
+      if (a == b || b == c || c == a) return true;
+      continue;
+    }
+    points.clear();
+    for (const Index v : face) points.push_back(vertex_point_[v]);
+    std::sort(points.begin(), points.end());
+    if (std::adjacent_find(points.begin(), points.end()) != points.end()) return true;
+  }
+  return false;
+}
+
+std::vector<Index> TableBuilder::representatives() const {
+  std::vector<Index> result(vertex_point_.size(), k_no_index);
+  for (std::size_t v = 0; v < result.size(); ++v) {
+    if (vertex_point_[v] != k_no_index) result[v] = table_.source_vertex[vertex_point_[v]];
+  }
+  return result;
+}
+
+/// Faces sorted by their points, from the lowest on around; equal ones by number.
+std::vector<Index> TableBuilder::order_of_faces() const {
+  const auto lowest = [&](Index f) {
+    Index least = k_no_index;
+    for (const Index v : soup_.face(f)) least = std::min(least, vertex_point_[v]);
+    return least;
+  };
+  std::vector<Index> start(table_.n_points() + 1, 0);
+  for (Index f = 0; f < soup_.n_faces(); ++f) ++start[lowest(f) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Index> order(soup_.n_faces());
+  for (Index f = 0; f < soup_.n_faces(); ++f) order[start[lowest(f)]++] = f;  // now start[p] is the end of p
+  const auto comes_first = [&](Index f, Index g) {
+    const auto a = soup_.face(f), b = soup_.face(g);
+    const auto from = [&](auto face) {
+      std::size_t at = 0;
+      for (std::size_t i = 1; i < face.size(); ++i) {
+        if (vertex_point_[face[i]] < vertex_point_[face[at]]) at = i;
+      }
+      return at;
+    };
+    const std::size_t at_a = from(a), at_b = from(b);
+    for (std::size_t i = 1; i < std::min(a.size(), b.size()); ++i) {
+      const Index p = vertex_point_[a[(at_a + i) % a.size()]], q = vertex_point_[b[(at_b + i) % b.size()]];
+      if (p != q) return p < q;
+    }
+    return a.size() != b.size() ? a.size() < b.size() : f < g;
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table_.n_points(), 4096), [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+      const auto first = order.begin() + (p == 0 ? 0 : start[p - 1]);
+      std::sort(first, order.begin() + start[p], comes_first);
+    }
+  });
+  return order;
+}
+
+void TableBuilder::set_faces() {
+  table_.source_face = order_of_faces();
+  table_.point.reserve(soup_.n_corners());
+  const bool with_attributes = !soup_.corner_uvs.empty() || !soup_.corner_normals.empty();
+  if (with_attributes) source_corner_.reserve(soup_.n_corners());
+  for (const Index f : table_.source_face) {
+    const auto face = soup_.face(f);
+    std::size_t at = 0;
+    for (std::size_t i = 1; i < face.size(); ++i) {
+      if (vertex_point_[face[i]] < vertex_point_[face[at]]) at = i;
+    }
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const std::size_t side = at + i < face.size() ? at + i : at + i - face.size();
+      table_.point.push_back(vertex_point_[face[side]]);
+      if (with_attributes) source_corner_.push_back(soup_.face_offsets[f] + static_cast<Index>(side));
+    }
+    if (!soup_.face_materials.empty()) table_.face_material.push_back(soup_.face_materials[f]);
+  }
+  table_.materials = soup_.materials;
+  table_.has_polygons = soup_.n_corners() != 3 * soup_.n_faces();
+  if (table_.has_polygons) set_loops();
+  link_rings(table_);
+}
+
+void TableBuilder::set_loops() {
+  table_.loop_next.resize(table_.n_corners());
+  table_.corner_face.resize(table_.n_corners());
+  Index corner = 0;
+  for (Index f = 0; f < table_.n_faces(); ++f) {
+    const auto size = static_cast<Index>(soup_.face_size(table_.source_face[f]));
+    table_.loop_start.push_back(corner);
+    table_.loop_size.push_back(size);
+    for (Index i = 0; i < size; ++i, ++corner) {
+      table_.corner_face[corner] = f;
+      table_.loop_next[corner] = i + 1 == size ? corner + 1 - size : corner + 1;
+    }
+  }
+}
+
+void TableBuilder::set_attributes() {
+  table_.has_uvs = !soup_.corner_uvs.empty();
+  table_.has_normals = !soup_.corner_normals.empty();
+  if (table_.has_uvs || table_.has_normals) make_wedges();
+  if (!soup_.feature_edges.empty()) mark_features();
+}
+
+Wedge TableBuilder::corner_wedge(Index source_corner) const {
+  Wedge w;
+  if (table_.has_uvs) w.uv = soup_.corner_uvs[source_corner];
+  if (table_.has_normals) w.normal = soup_.corner_normals[source_corner];
+  return w;
+}
+
+/// True when a seam between the two would have to be kept.
+bool TableBuilder::differ(const Wedge& x, const Wedge& y) const {
+  return (options_.keep_uv_seams && x.uv != y.uv) || (options_.keep_normal_seams && x.normal != y.normal);
+}
+
+/// Corners of one point share a wedge when they agree in all that has to be kept.
+void TableBuilder::make_wedges() {
+  table_.wedge.assign(table_.n_corners(), k_no_index);
+  std::vector<Index> of_point;
+  for (Index p = 0; p < table_.n_points(); ++p) {
+    of_point.clear();
+    table_.each_corner(p, [&](Index corner) {
+      const Wedge w = corner_wedge(source_corner_[corner]);
+      const auto same = std::find_if(of_point.begin(), of_point.end(),
+                                     [&](Index known) { return !differ(table_.wedges[known], w); });
+      if (same != of_point.end()) {
+        table_.wedge[corner] = *same;
+        return;
+      }
+      table_.wedge[corner] = static_cast<Index>(table_.wedges.size());
+      of_point.push_back(table_.wedge[corner]);
+      table_.wedges.push_back(w);
+    });
+  }
+}
+
+void TableBuilder::mark_features() {
+  std::vector<std::pair<Index, Index>> marked;
+  for (const auto& [v, w] : soup_.feature_edges) {
+    const Index a = vertex_point_[v], b = vertex_point_[w];
+    if (a != k_no_index && b != k_no_index) marked.emplace_back(std::minmax(a, b));
+  }
+  std::sort(marked.begin(), marked.end());
+  table_.feature.assign(table_.n_corners(), 0);
+  for (Index c = 0; c < table_.n_corners(); ++c) {
+    const std::pair<Index, Index> ends = std::minmax(table_.point[c], table_.point_after(c));
+    table_.feature[c] = std::binary_search(marked.begin(), marked.end(), ends) ? 1 : 0;
+  }
+}
+
+/// True for a point in the middle of one closed fan of faces that agree in everything: the common case, seen
+/// without sorting anything.
+bool TableBuilder::is_plain(Index p) const {
+  constexpr std::size_t k_most = 16;
+  const std::size_t n = table_.ring_start[p + 1] - table_.ring_start[p];
+  if (n > k_most) return false;
+  const Index* const corners = table_.ring.data() + table_.ring_start[p];
+  std::array<Index, k_most> after, before;
+  for (std::size_t i = 0; i < n; ++i) {
+    after[i] = table_.point_after(corners[i]);
+    before[i] = table_.point_before(corners[i]);
+  }
+  const auto agree = [&](Index c, Index following) {
+    const auto same = [&](Index x, Index y) { return table_.wedge[x] == table_.wedge[y]; };
+    if (!table_.wedge.empty() &&
+        !(same(c, following) && same(table_.previous(c), table_.next(following)))) {
+      return false;
+    }
+    if (!table_.feature.empty() && table_.feature[following] != 0) return false;
+    return table_.face_material.empty() ||
+           table_.face_material[table_.face(c)] == table_.face_material[table_.face(following)];
+  };
+  // From the first face on around over common neighbours, none of which may be met twice.
+  std::size_t at = 0;
+  for (std::size_t met = 1; met <= n; ++met) {
+    std::size_t following = n;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (after[i] != before[at]) continue;
+      if (following != n) return false;
+      following = i;
+    }
+    if (following == n || !agree(corners[at], corners[following])) return false;
+    at = following;
+    if (at == 0) return met == n;
+  }
+  return false;
+}
+
+/// Number of fans of faces around a point: its neighbours fall into that many sets when each corner joins
+/// the two beside it.
+std::size_t TableBuilder::count_fans(Scratch& scratch) const {
+  const auto& [neighbours, corners, ignored] = scratch;
+  std::vector<Index>& parents = scratch.parents;
+  parents.resize(neighbours.size());
+  std::iota(parents.begin(), parents.end(), Index{0});
+  const auto root_of = [&](Index q) {
+    auto i =
+        static_cast<Index>(std::lower_bound(neighbours.begin(), neighbours.end(), q) - neighbours.begin());
+    while (parents[i] != i) i = parents[i] = parents[parents[i]];
+    return i;
+  };
+  std::size_t fans = neighbours.size();
+  for (const Index corner : corners) {
+    const Index x = root_of(table_.point_after(corner)), y = root_of(table_.point_before(corner));
+    if (x == y) continue;
+    parents[x] = y;
+    --fans;
+  }
+  return fans;
+}
+
+PointClass TableBuilder::classify(Index p, Scratch& scratch) const {
+  scratch.neighbours.clear();
+  scratch.corners.clear();
+  table_.each_corner(p, [&](Index corner) {
+    scratch.corners.push_back(corner);
+    scratch.neighbours.push_back(table_.point_after(corner));
+    scratch.neighbours.push_back(table_.point_before(corner));
+  });
+  std::sort(scratch.neighbours.begin(), scratch.neighbours.end());
+  scratch.neighbours.erase(std::unique(scratch.neighbours.begin(), scratch.neighbours.end()),
+                           scratch.neighbours.end());
+  std::array<unsigned, 2> kinds{};
+  std::size_t n_creases = 0;
+  for (const Index q : scratch.neighbours) {
+    const unsigned kind = table_.edge_kind(p, q);
+    if (kind == k_smooth_edge) continue;
+    if (n_creases < 2) kinds[n_creases] = kind;
+    ++n_creases;
+  }
+  if (count_fans(scratch) > 1) return PointClass::fixed;
+  if (n_creases == 0) return PointClass::smooth;
+  if (n_creases != 2 || kinds[0] != kinds[1]) return PointClass::fixed;
+  if (options_.lock_borders && (kinds[0] & k_border_edge) != 0) return PointClass::fixed;
+  return PointClass::crease;
+}
+
+void TableBuilder::classify_points() {
+  table_.classes.assign(table_.n_points(), PointClass::smooth);
+  tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(table_.n_points()), 4096),
+                    [&](const auto& range) {
+                      Scratch scratch;
+                      for (Index p = range.begin(); p < range.end(); ++p) {
+                        if (!is_plain(p)) table_.classes[p] = classify(p, scratch);
+                      }
+                    });
+}
+
+}  // namespace
+
+CornerTable build_corner_table(const PolygonSoup& soup, const CornerTableOptions& options) {
+  {
+    TableBuilder builder(soup, options);
+    if (!builder.visits_a_point_twice()) return builder.build();
+  }
+  // Rare: the faces are mended on a copy, whose vertices keep their numbers.
+  const std::vector<Index> representatives = TableBuilder(soup, options).representatives();
+  PolygonSoup mended = soup;
+  for (Index& v : mended.corner_vertices) v = representatives[v];
+  remove_degenerate_faces(mended);
+  return TableBuilder(mended, options).build();
+}
+
+}  // namespace recede::detail

@@ -1,0 +1,275 @@
+#include <recede/lod/detail/volume_cost.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recede::detail {
+namespace {
+
+/// Pull towards the middle of the edge where the triangles leave the place open, as a share of their weight.
+constexpr double k_regularization = 1e-7;
+/// The same for ranking, which is done in single precision.
+constexpr float k_rank_regularization = 1e-5f;
+/// A new point stays within this many edge lengths of the edge's middle: an ill-conditioned solve must not
+/// throw it out of its neighbourhood.
+constexpr double k_reach = 2.0;
+/// Share of the squared edge length in the cost: orders what the triangles don't tell apart. At the noise of
+/// single precision, in which edges are ranked.
+constexpr double k_length_weight = 1e-7;
+/// Weight of the squared area that a line sweeps, times its squared length, against the squared volumes. With
+/// volumes of tetrahedra (1/6 of the product) and areas of triangles (1/2), the source's equal weights.
+constexpr double k_line_weight = 9.0;
+
+/// Calls `visit(q)` for every neighbour to which a line of borders, creases or seams runs from `point`.
+template <typename Visit>
+void each_line_neighbour(const CornerTable& table, Index point, std::vector<Index>& seen, Visit&& visit) {
+  if (table.classes[point] == PointClass::smooth) return;
+  seen.clear();
+  table.each_corner(point, [&](Index corner) {
+    for (const Index q : {table.point_after(corner), table.point_before(corner)}) {
+      if (table.classes[q] == PointClass::smooth || std::find(seen.begin(), seen.end(), q) != seen.end()) continue;
+      seen.push_back(q);
+      if (table.edge_kind(point, q) != k_smooth_edge) visit(q);
+    }
+  });
+}
+
+/// Squared area that a piece of line sweeps, as a matrix: that of |along|^2 |along x d|^2.
+Eigen::Matrix3d line_matrix(const Vec3& along) {
+  const double squared = along.squaredNorm();
+  return k_line_weight * squared * (squared * Eigen::Matrix3d::Identity() - along * along.transpose());
+}
+
+}  // namespace
+
+PointMatrix point_matrix(const CornerTable& table, Index point, double scale) {
+  const Vec3 at = table.positions[point];
+  PointMatrix m;
+  for (Index i = table.ring_start[point]; i < table.ring_start[point + 1]; ++i) {
+    const Index corner = table.ring[i];
+    const Vec3 after = scale * (table.positions[table.point_after(corner)] - at),
+               before = scale * (table.positions[table.point_before(corner)] - at);
+    const Eigen::Vector3f n = after.cross(before).cast<float>();
+    m.xx += n.x() * n.x();
+    m.xy += n.x() * n.y();
+    m.xz += n.x() * n.z();
+    m.yy += n.y() * n.y();
+    m.yz += n.y() * n.z();
+    m.zz += n.z() * n.z();
+    m.x += n.x();
+    m.y += n.y();
+    m.z += n.z();
+  }
+  return m;
+}
+
+float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix& a, const PointMatrix& b,
+                       double scale, VertexPlacement placement) {
+  const Eigen::Vector3f half = (0.5 * scale * (second - first)).cast<float>();
+  const float hx = half.x(), hy = half.y(), hz = half.z();
+  const float trace = a.xx + a.yy + a.zz + b.xx + b.yy + b.zz;
+  if (!(trace > 0)) return 0;
+  const float unit = 1 / trace;
+  const auto form = [](float xx, float xy, float xz, float yy, float yz, float zz, float x, float y, float z) {
+    return x * (xx * x + 2 * (xy * y + xz * z)) + y * (yy * y + 2 * yz * z) + zz * z * z;
+  };
+  // The sum of both matrices, and what pulls towards the ends: the second's less the first's, times half the
+  // edge.
+  const float xx = unit * (a.xx + b.xx), xy = unit * (a.xy + b.xy), xz = unit * (a.xz + b.xz);
+  const float yy = unit * (a.yy + b.yy), yz = unit * (a.yz + b.yz), zz = unit * (a.zz + b.zz);
+  const float squared_half = hx * hx + hy * hy + hz * hz;
+  const float length_cost = trace * static_cast<float>(k_length_weight) * squared_half;
+  if (placement == VertexPlacement::half_edge) {
+    const float to_first = form(b.xx, b.xy, b.xz, b.yy, b.yz, b.zz, hx, hy, hz),
+                to_second = form(a.xx, a.xy, a.xz, a.yy, a.yz, a.zz, hx, hy, hz);
+    return 4 * std::max(0.0f, std::min(to_first, to_second)) + length_cost;
+  }
+  const float at_middle = form(xx, xy, xz, yy, yz, zz, hx, hy, hz);
+  if (placement == VertexPlacement::midpoint) return trace * std::max(0.0f, at_middle) + length_cost;
+  const float dxx = unit * (b.xx - a.xx), dxy = unit * (b.xy - a.xy), dxz = unit * (b.xz - a.xz);
+  const float dyy = unit * (b.yy - a.yy), dyz = unit * (b.yz - a.yz), dzz = unit * (b.zz - a.zz);
+  const float px = dxx * hx + dxy * hy + dxz * hz, py = dxy * hx + dyy * hy + dyz * hz,
+              pz = dxz * hx + dyz * hy + dzz * hz;
+  const float gx = a.x + b.x, gy = a.y + b.y, gz = a.z + b.z;
+  const float volume = (b.x - a.x) * hx + (b.y - a.y) * hy + (b.z - a.z) * hz;
+  // Inverse of the regularised sum, up to its determinant, by cofactors.
+  const float rxx = xx + k_rank_regularization, ryy = yy + k_rank_regularization, rzz = zz + k_rank_regularization;
+  const float ixx = ryy * rzz - yz * yz, ixy = xz * yz - xy * rzz, ixz = xy * yz - xz * ryy;
+  const float iyy = rxx * rzz - xz * xz, iyz = xy * xz - rxx * yz, izz = rxx * ryy - xy * xy;
+  const float determinant = rxx * ixx + xy * ixy + xz * ixz;
+  if (!(determinant > 0)) return trace * std::max(0.0f, at_middle) + length_cost;
+  const float inverse = 1 / determinant;
+  float x = inverse * (ixx * px + ixy * py + ixz * pz), y = inverse * (ixy * px + iyy * py + iyz * pz),
+        z = inverse * (ixz * px + iyz * py + izz * pz);
+  const float wx = ixx * gx + ixy * gy + ixz * gz, wy = ixy * gx + iyy * gy + iyz * gz,
+              wz = ixz * gx + iyz * gy + izz * gz;
+  const float slope = gx * wx + gy * wy + gz * wz;
+  if (slope > 0) {
+    const float step = (volume - gx * x - gy * y - gz * z) / slope;
+    x += step * wx;
+    y += step * wy;
+    z += step * wz;
+  }
+  constexpr auto k_most = static_cast<float>(4 * k_reach * k_reach);
+  if (!(x * x + y * y + z * z <= k_most * squared_half)) {
+    return trace * std::max(0.0f, at_middle) + length_cost;
+  }
+  const float cost = form(xx, xy, xz, yy, yz, zz, x, y, z) - 2 * (px * x + py * y + pz * z) + at_middle;
+  return trace * std::max(0.0f, cost) + length_cost;
+}
+
+void CollapsePlanner::add_triangle(const Vec3& at, const Vec3& before, const Vec3& after) {
+  const Vec3 normal = (after - at).cross(before - at);
+  const double offset = normal.dot(at);
+  matrix_ += normal * normal.transpose();
+  pull_ += offset * normal;
+  constant_ += offset * offset;
+  volume_normal_ += normal;
+  volume_ += offset;
+  planes_.push_back({normal, offset});
+}
+
+void CollapsePlanner::add_line(const Vec3& through, const Vec3& along) {
+  const Eigen::Matrix3d m = line_matrix(along);
+  matrix_ += m;
+  pull_ += m * through;
+  constant_ += through.dot(m * through);
+  lines_.push_back({through, along});
+}
+
+/// Adds what moves with a corner of `at`. A polygon on the edge counts as the triangle between the edge and the
+/// corner before it, and the triangle that is left at the edge's far end; both are met where the side begins.
+void CollapsePlanner::add_corner(const RingCorner& corner, Index at, Index other) {
+  const auto place = [&](Index p) -> Vec3 { return table_.positions[p] - center_; };
+  if (!corner.on_edge) return add_triangle(place(at), place(corner.before), place(corner.after));
+  if (corner.after != other) return;
+  add_triangle(place(at), place(corner.before), place(other));
+  if (corner.size == 3) return;
+  const Index beyond = table_.point_after(table_.next(corner.corner));
+  add_triangle(place(other), place(corner.before), place(beyond));
+}
+
+void CollapsePlanner::add_lines(Index first, Index second) {
+  line_before_ = line_after_ = k_no_index;
+  const auto add = [&](Index from, Index to) {
+    add_line(table_.positions[from] - center_, table_.positions[to] - table_.positions[from]);
+  };
+  each_line_neighbour(table_, first, neighbours_, [&](Index q) {
+    add(first, q);
+    if (q != second) line_before_ = q;
+  });
+  each_line_neighbour(table_, second, neighbours_, [&](Index q) {
+    if (q == first) return;  // the edge itself counts once
+    add(second, q);
+    line_after_ = q;
+  });
+}
+
+void CollapsePlanner::gather(const EdgeRings& rings, Index first, Index second) {
+  const Vec3 &p = table_.positions[first], &q = table_.positions[second];
+  center_ = 0.5 * (p + q);
+  half_edge_ = 0.5 * (q - p);
+  half_length_squared_ = half_edge_.squaredNorm();
+  matrix_.setZero();
+  pull_.setZero();
+  volume_normal_.setZero();
+  constant_ = volume_ = 0;
+  planes_.clear();
+  lines_.clear();
+  for (const RingCorner& corner : rings.removed) add_corner(corner, first, second);
+  // Sides that run from second to first begin there.
+  for (const RingCorner& corner : rings.kept) add_corner(corner, second, first);
+  add_lines(first, second);
+}
+
+/// Least cost among the places that keep the volume.
+Vec3 CollapsePlanner::best_place() const {
+  Eigen::Matrix3d regular = matrix_;
+  regular.diagonal().array() += k_regularization * matrix_.trace();
+  const Eigen::Matrix3d inverse = regular.inverse();
+  Vec3 place = inverse * pull_;
+  // One step of refinement takes the pull out of the directions that the triangles do determine.
+  place += inverse * (pull_ - matrix_ * place);
+  const Vec3 way = inverse * volume_normal_;
+  const double slope = volume_normal_.dot(way);
+  if (slope > 0) place += way * ((volume_ - volume_normal_.dot(place)) / slope);
+  return place;
+}
+
+/// Least cost among the places where the line from `before` over the new place to `after` sweeps no area in sum:
+/// x cross (after - before) is what it was, which leaves a line for x.
+Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) const {
+  const Vec3 along = after - before;
+  const double length = along.squaredNorm();
+  if (!(length > 0)) return Vec3::Zero();
+  const Vec3 p = -half_edge_, q = half_edge_;
+  const Vec3 area = before.cross(p) + p.cross(q) + q.cross(after);
+  const Vec3 through = along.cross(area) / length;
+  const double curvature = along.dot(matrix_ * along);
+  // Without curvature the middle is as good as any place.
+  const double step =
+      curvature > k_regularization * matrix_.trace() * length
+          ? along.dot(pull_ - matrix_ * through) / curvature
+          : -along.dot(through) / length;
+  return through + step * along;
+}
+
+double CollapsePlanner::cost_at(const Vec3& place) const {
+  const double cost = place.dot(matrix_ * place) - 2 * pull_.dot(place) + constant_;
+  return std::max(0.0, cost) + k_length_weight * matrix_.trace() * half_length_squared_;
+}
+
+double CollapsePlanner::deviation_at(const Vec3& place) const {
+  double squared = 0;
+  for (const Plane& plane : planes_) {
+    const double distance = plane.normal.dot(place) - plane.offset, length = plane.normal.squaredNorm();
+    if (length > 0) squared = std::max(squared, distance * distance / length);
+  }
+  for (const Line& line : lines_) {
+    const double length = line.along.squaredNorm();
+    if (length > 0) {
+      squared = std::max(squared, line.along.cross(place - line.through).squaredNorm() / length);
+    }
+  }
+  return std::sqrt(squared);
+}
+
+CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index second) {
+  const EdgeFreedom freedom = edge_freedom(table_, first, second);
+  if (!freedom.allowed) return {};
+  gather(rings, first, second);
+  CollapsePlan best;
+  const auto consider = [&](Index removed, Index kept, const Vec3& place, double share) {
+    const double cost = cost_at(place);
+    if (best.collapse.removed != k_no_index && !(cost < best.cost)) return;
+    best = {{removed, kept, place + center_, share}, cost, deviation_at(place)};
+  };
+  if (placement_ != VertexPlacement::half_edge && freedom.may_move) {
+    Vec3 place = Vec3::Zero();
+    if (placement_ != VertexPlacement::midpoint) {
+      place = line_before_ == k_no_index || line_after_ == k_no_index
+                  ? best_place()
+                  : best_place_on_line(table_.positions[line_before_] - center_,
+                                       table_.positions[line_after_] - center_);
+    }
+    if (place.allFinite() && place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_) {
+      const double along =
+          half_length_squared_ > 0 ? 0.5 + 0.5 * place.dot(half_edge_) / half_length_squared_ : 1;
+      const double share = std::clamp(along, 0.0, 1.0);
+      const bool removes_first = freedom.may_remove_first;
+      consider(removes_first ? first : second, removes_first ? second : first, place,
+               removes_first ? share : 1 - share);
+      return best;
+    }
+  }
+  const auto consider_end = [&](Index removed, Index kept) {
+    consider(removed, kept, table_.positions[kept] - center_, 1);
+    // The very bits of the end's position.
+    if (best.collapse.kept == kept) best.collapse.position = table_.positions[kept];
+  };
+  if (freedom.may_remove_first) consider_end(first, second);
+  if (freedom.may_remove_second) consider_end(second, first);
+  return best;
+}
+
+}  // namespace recede::detail

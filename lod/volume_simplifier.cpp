@@ -1,0 +1,340 @@
+// Passes of independent collapses in the order of a volume-preserving cost (see volume_cost.h).
+//
+// Every pass ranks all edges, then walks them from the cheapest on and collapses those whose ends no earlier
+// collapse of the pass has moved. A pass ends at the cost of the edge that would be last if all went in order, so
+// that independence costs little quality.
+//
+// Points are numbered along a space-filling curve, so that a range of numbers is a patch of surface. Patches
+// rank and collapse on their own, in parallel and inside a cache; what reaches over the rim of a patch is left
+// for afterwards. The patches don't depend on the number of threads, and neither does the result.
+#include <recede/lod/detail/simplifier.h>
+#include <recede/lod/detail/volume_cost.h>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace recede::detail {
+namespace {
+
+/// Share of the points that one pass may remove at most; about a third of them are then independent.
+constexpr double k_pass_share = 1.0;
+/// Below this share of the points still to go, edges are taken one by one to the exact count.
+constexpr double k_last_share = 0.1;
+/// For the last pass: it may go on to the edge that would come this many times later if all were independent.
+constexpr double k_last_reach = 2.0;
+/// Since it was ranked, a cost may have grown by this factor; beyond that the edge waits for the next pass.
+constexpr double k_grown = 1.5;
+/// Cosine between a polygon's normals before and after one collapse.
+constexpr double k_least_normal_cosine = 0.2;
+/// Factor on the cost for each step of `polygon_loss`.
+constexpr float k_polygon_loss = 8;
+/// Points of one patch.
+constexpr std::size_t k_least_patch = 1024, k_largest_patch = 8192;
+constexpr std::size_t k_patches = 16;
+
+/// An edge and its cost in one number: costs are positive floats, whose bits are ordered as they are. The edge is
+/// named by the corner where one of its sides begins, so that no two are equal.
+using Candidate = std::uint64_t;
+Candidate make_candidate(float cost, Index corner) {
+  return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(cost)) << 32 | corner;
+}
+float cost_of(Candidate candidate) { return std::bit_cast<float>(static_cast<std::uint32_t>(candidate >> 32)); }
+Index corner_of(Candidate candidate) { return static_cast<Index>(candidate); }
+
+/// Counts of costs by their leading bits: bins of a twelfth of an octave or less.
+class CostHistogram {
+ public:
+  void add(float cost) { ++counts_[bin(cost)]; }
+  void merge(const CostHistogram& other) {
+    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
+  }
+  /// A cost that at most `wanted` are below; when `at_least`, one that no fewer are below.
+  float limit(std::size_t wanted, bool at_least) const {
+    std::size_t below = 0;
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+      if (below + counts_[i] > wanted) return lower_end(at_least ? i + 1 : i);
+      below += counts_[i];
+    }
+    return std::numeric_limits<float>::infinity();
+  }
+
+ private:
+  static constexpr unsigned k_shift = 19;
+  static std::size_t bin(float cost) { return std::bit_cast<std::uint32_t>(cost) >> k_shift; }
+  static float lower_end(std::size_t bin) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(bin) << k_shift);
+  }
+  std::array<Index, std::size_t{1} << (31 - k_shift)> counts_{};
+};
+
+/// What one thread needs to look at an edge.
+struct Workbench {
+  Workbench(const CornerTable& table, VertexPlacement placement)
+      : rules(table, k_least_normal_cosine), planner(table, placement) {}
+  EdgeRings rings;
+  CollapseRules rules;
+  CollapsePlanner planner;
+};
+
+/// A range of points that is worked on by itself, and what came of it.
+struct Patch {
+  Index first = 0, last = 0;  ///< points [first, last)
+  std::vector<Candidate> candidates;
+  CostHistogram histogram;
+  std::vector<Candidate> across;  ///< edges that reach over the rim
+  RunCounts counts;
+  std::size_t refused = 0;
+
+  bool contains(Index point) const { return point >= first && point < last; }
+};
+
+class VolumeSimplifier final : public Simplifier {
+ public:
+  VolumeSimplifier(CornerTable table, const SimplifyOptions& options)
+      : Simplifier(std::move(table), options, k_least_normal_cosine) {
+    deviation_.resize(table_.n_points(), 0);
+  }
+
+ private:
+  enum class Try { done, refused, busy, outside };
+
+  std::size_t pass(const Limits& limits, Progress* progress) override;
+
+  void start_pass();
+  void rank(Patch& patch);
+  void rank_point(Patch& patch, Workbench& bench, Index p, std::vector<Index>& seen);
+  float rank_edge(Workbench& bench, Index p, Index q) const;
+  template <typename Work>
+  void each_patch(Work&& work);
+  void collapse_inside(Patch& patch, float limit, double error);
+  std::size_t collapse_in_order(std::vector<Candidate>& candidates, float limit, const Limits& limits);
+  Try attempt(Candidate candidate, float limit, double error, Workbench& bench, const Patch* within,
+              RunCounts& counts);
+  std::size_t wanted(const Limits& limits) const;
+  std::vector<Candidate> take_all_below(float limit);
+
+  std::vector<float> deviation_;        // by point: how far removed points near it may stand off
+  std::vector<PointMatrix> matrices_;   // by point
+  std::vector<unsigned char> touched_;  // by point: an end of a collapse of this pass
+  std::vector<Patch> patches_;
+  double rank_scale_ = 1;
+  std::size_t refused_ = 0;  // edges that the last pass refused
+};
+
+template <typename Work>
+void VolumeSimplifier::each_patch(Work&& work) {
+  tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t i) { work(patches_[i]); });
+}
+
+void VolumeSimplifier::start_pass() {
+  const std::vector<Index> old_number = pack(table_);
+  for (std::size_t p = 0; p < old_number.size(); ++p) deviation_[p] = deviation_[old_number[p]];
+  deviation_.resize(old_number.size());
+  touched_.assign(old_number.size(), 0);
+  matrices_.resize(old_number.size());
+  const std::size_t n = old_number.size();
+  const std::size_t size = std::clamp(n / k_patches, k_least_patch, k_largest_patch);
+  patches_.resize((n + size - 1) / size);
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
+    patches_[i] = Patch{};
+    patches_[i].first = static_cast<Index>(i * size);
+    patches_[i].last = static_cast<Index>(std::min(n, (i + 1) * size));
+  }
+  // A unit in which edges are about 1 long.
+  rank_scale_ = std::sqrt(static_cast<double>(std::max<std::size_t>(table_.n_faces(), 1)));
+}
+
+float VolumeSimplifier::rank_edge(Workbench& bench, Index p, Index q) const {
+  if (table_.classes[p] == PointClass::smooth && table_.classes[q] == PointClass::smooth) {
+    return rank_smooth_edge(table_.positions[p], table_.positions[q], matrices_[p], matrices_[q], rank_scale_,
+                            options_.placement);
+  }
+  if (!edge_freedom(table_, p, q).allowed) return -1;
+  bench.rings.gather(table_, p, q);
+  const CollapsePlan plan = bench.planner.plan(bench.rings, p, q);
+  // Costs are the sixth power of a length.
+  return static_cast<float>(plan.cost * std::pow(rank_scale_, 6));
+}
+
+/// Every edge belongs to the lower of its points.
+void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p, std::vector<Index>& seen) {
+  seen.clear();
+  const bool smooth = table_.classes[p] == PointClass::smooth;
+  const auto add = [&](Index corner, Index q) {
+    float cost = rank_edge(bench, p, q);
+    if (cost < 0) {
+      ++patch.counts.refused[Refusal::border];
+      return;
+    }
+    if (table_.has_polygons && options_.keep_polygons) {
+      for (int loss = polygon_loss(table_, p, q); loss > 0; --loss) cost *= k_polygon_loss;
+    }
+    if (!(cost <= std::numeric_limits<float>::max())) cost = std::numeric_limits<float>::max();
+    patch.candidates.push_back(make_candidate(cost, corner));
+    patch.histogram.add(cost);
+  };
+  for (Index i = table_.ring_start[p]; i < table_.ring_start[p + 1]; ++i) {
+    const Index corner = table_.ring[i], q = table_.point_after(corner);
+    if (smooth) {  // every neighbour comes after exactly one corner
+      if (q > p) add(corner, q);
+      continue;
+    }
+    const Index before = table_.previous(corner);
+    for (const auto& [side, end] : {std::pair{corner, q}, {before, table_.point[before]}}) {
+      if (end < p || std::find(seen.begin(), seen.end(), end) != seen.end()) continue;
+      seen.push_back(end);
+      add(side, end);
+    }
+  }
+}
+
+void VolumeSimplifier::rank(Patch& patch) {
+  Workbench bench(table_, options_.placement);
+  std::vector<Index> seen;
+  patch.candidates.reserve(3 * (patch.last - patch.first) + 64);
+  for (Index p = patch.first; p < patch.last; ++p) rank_point(patch, bench, p, seen);
+}
+
+/// Tries one edge. `within`: the collapse must not reach beyond the patch.
+VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit, double error, Workbench& bench,
+                                                const Patch* within, RunCounts& counts) {
+  const Index corner = corner_of(candidate);
+  if (!table_.is_alive(corner)) return Try::busy;
+  const Index p = table_.point[corner], q = table_.point_after(corner);
+  const Index first = std::min(p, q), second = std::max(p, q);
+  if (within && !(within->contains(first) && within->contains(second))) return Try::outside;
+  if (touched_[first] != 0 || touched_[second] != 0) return Try::busy;
+  bench.rings.gather(table_, first, second);
+  if (within && !bench.rings.lie_within(table_, within->first, within->last)) return Try::outside;
+  const CollapsePlan plan = bench.planner.plan(bench.rings, first, second);
+  if (plan.collapse.removed == k_no_index) return Try::refused;
+  const double most = std::max(static_cast<double>(limit), k_grown * static_cast<double>(cost_of(candidate)));
+  if (plan.cost * std::pow(rank_scale_, 6) > most) return Try::refused;
+  const Collapse& collapse = plan.collapse;
+  const double deviation =
+      plan.deviation + static_cast<double>(std::max(deviation_[first], deviation_[second]));
+  if (deviation > error) {
+    ++counts.refused[Refusal::error];
+    return Try::refused;
+  }
+  if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
+  if (const auto refused = bench.rules.refusal(bench.rings, collapse)) {
+    ++counts.refused[*refused];
+    return Try::refused;
+  }
+  counts.add(apply_collapse(table_, collapse));
+  counts.error = std::max(counts.error, deviation);
+  deviation_[collapse.kept] = static_cast<float>(deviation);
+  touched_[first] = touched_[second] = 1;
+  return Try::done;
+}
+
+void VolumeSimplifier::collapse_inside(Patch& patch, float limit, double error) {
+  const auto cheap = std::partition(patch.candidates.begin(), patch.candidates.end(),
+                                    [&](Candidate c) { return cost_of(c) <= limit; });
+  std::sort(patch.candidates.begin(), cheap);
+  Workbench bench(table_, options_.placement);
+  for (auto c = patch.candidates.begin(); c != cheap; ++c) {
+    const Try result = attempt(*c, limit, error, bench, &patch, patch.counts);
+    if (result == Try::outside) patch.across.push_back(*c);
+    if (result == Try::refused) ++patch.refused;
+  }
+}
+
+/// Collapses over the whole table until a limit. Returns how many.
+std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidates, float limit,
+                                                const Limits& limits) {
+  std::sort(candidates.begin(), candidates.end());
+  Workbench bench(table_, options_.placement);
+  std::size_t done = 0;
+  for (const Candidate candidate : candidates) {
+    if (reached(limits)) break;
+    RunCounts counts;
+    const Try result = attempt(candidate, limit, limits.error, bench, nullptr, counts);
+    if (result == Try::done) ++done;
+    if (result == Try::refused) ++refused_;
+    count(counts);
+  }
+  return done;
+}
+
+/// Collapses that are still to be made; an interior collapse of a closed triangle mesh removes two faces, with
+/// quads fewer, and then the next pass goes on.
+std::size_t VolumeSimplifier::wanted(const Limits& limits) const {
+  std::size_t result = table_.n_alive_points;
+  if (limits.faces > 0) result = std::min(result, (table_.n_alive_faces - limits.faces + 1) / 2);
+  if (limits.vertices > 0) result = std::min(result, table_.n_alive_points - limits.vertices);
+  return result;
+}
+
+std::vector<Candidate> VolumeSimplifier::take_all_below(float limit) {
+  std::vector<Candidate> all;
+  for (Patch& patch : patches_) {
+    for (const Candidate c : patch.candidates) {
+      if (cost_of(c) <= limit) all.push_back(c);
+    }
+  }
+  return all;
+}
+
+std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
+  ++counts_.passes;
+  start_pass();
+  each_patch([&](Patch& patch) {
+    for (Index p = patch.first; p < patch.last; ++p) matrices_[p] = point_matrix(table_, p, rank_scale_);
+  });
+  each_patch([&](Patch& patch) { rank(patch); });
+  CostHistogram histogram;
+  std::size_t n_candidates = 0;
+  for (Patch& patch : patches_) {
+    histogram.merge(patch.histogram);
+    n_candidates += patch.candidates.size();
+    count(patch.counts);
+    patch.counts = {};
+  }
+  if (n_candidates == 0) return 0;
+  report_progress(progress, "simplify", fraction_done(limits));
+  const std::size_t left = wanted(limits);
+  const auto points = static_cast<double>(table_.n_alive_points);
+  // Edges that the last pass refused are likely to be refused again and don't count towards the goal.
+  const std::size_t tolerated = std::exchange(refused_, 0);
+  std::size_t done = 0, goal = 1 + tolerated;
+  if (static_cast<double>(left) > k_last_share * points) {
+    goal += std::min(left, static_cast<std::size_t>(k_pass_share * points));
+    const float limit = histogram.limit(goal, false);
+    each_patch([&](Patch& patch) { collapse_inside(patch, limit, limits.error); });
+    std::vector<Candidate> across;
+    for (const Patch& patch : patches_) {
+      done += patch.counts.collapses;
+      refused_ += patch.refused;
+      count(patch.counts);
+      across.insert(across.end(), patch.across.begin(), patch.across.end());
+    }
+    done += collapse_in_order(across, limit, limits);
+  } else {
+    goal += static_cast<std::size_t>(k_last_reach * static_cast<double>(left));
+    const float limit = histogram.limit(goal, true);
+    std::vector<Candidate> all = take_all_below(limit);
+    done = collapse_in_order(all, limit, limits);
+  }
+  // Everything cheap was refused: the pass must still get somewhere.
+  for (; done == 0 && goal < n_candidates; goal *= 4) {
+    const float limit = histogram.limit(goal, true);
+    std::vector<Candidate> all = take_all_below(limit);
+    done = collapse_in_order(all, limit, limits);
+  }
+  return done;
+}
+
+}  // namespace
+
+std::unique_ptr<Simplifier> make_volume_simplifier(CornerTable table, const SimplifyOptions& options) {
+  return std::make_unique<VolumeSimplifier>(std::move(table), options);
+}
+
+}  // namespace recede::detail
