@@ -135,8 +135,9 @@ bool CollapseRules::breaks_link(const EdgeRings& rings, const Collapse& collapse
   if (is_long) std::sort(near_removed_.begin(), near_removed_.end());
   const auto touches = [&](Index p) {
     if (p == collapse.removed) return false;
-    const bool near = is_long ? std::binary_search(near_removed_.begin(), near_removed_.end(), p)
-                              : std::find(near_removed_.begin(), near_removed_.end(), p) != near_removed_.end();
+    const bool near = is_long
+                          ? std::binary_search(near_removed_.begin(), near_removed_.end(), p)
+                          : std::find(near_removed_.begin(), near_removed_.end(), p) != near_removed_.end();
     return near && !is_third(p);
   };
   const bool kept_is_smooth = table_.classes[collapse.kept] == PointClass::smooth;

@@ -1,5 +1,7 @@
 #include <recede/lod/detail/corner_table.h>
 
+#include <oneapi/tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -180,61 +182,60 @@ CollapseEffect apply_collapse(CornerTable& table, const Collapse& collapse) {
 
 namespace {
 
-/// Moves what stays to the front of a list, which then has `size` entries.
+/// Moves what stays to the front of a list, which then has only that.
 template <typename List, typename Stays>
 void keep(List& list, Stays&& stays) {
   std::size_t size = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (stays(i)) list[size++] = list[i];
+    if (stays(static_cast<Index>(i))) {
+      if (size != i) list[size] = list[i];
+      ++size;
+    }
   }
   list.resize(size);
 }
 
-void pack_loops(CornerTable& table) {
-  std::vector<Index> number(table.n_corners(), k_no_index);
-  Index n = 0;
-  for (Index c = 0; c < number.size(); ++c) {
-    if (table.is_alive(c)) number[c] = n++;
+/// New numbers of what stays, in order; k_no_index for what goes.
+template <typename Stays>
+std::vector<Index> number_what_stays(std::size_t n, Stays&& stays) {
+  std::vector<Index> number(n, k_no_index);
+  Index next = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (stays(i)) number[i] = next++;
   }
-  std::vector<Index> face_number(table.loop_size.size(), k_no_index);
-  n = 0;
-  for (Index f = 0; f < face_number.size(); ++f) {
-    if (table.is_face_alive(f)) face_number[f] = n++;
-  }
-  for (Index c = 0; c < table.n_corners(); ++c) {
-    if (!table.is_alive(c)) continue;
-    table.loop_next[number[c]] = number[table.loop_next[c]];
-    table.corner_face[number[c]] = face_number[table.corner_face[c]];
-  }
-  for (Index f = 0; f < face_number.size(); ++f) {
-    if (face_number[f] == k_no_index) continue;
-    table.loop_start[face_number[f]] = number[table.loop_start[f]];
-    table.loop_size[face_number[f]] = table.loop_size[f];
-  }
+  return number;
 }
 
+void pack_loops(CornerTable& table) {
+  const auto corner_number = number_what_stays(table.n_corners(), [&](Index c) { return table.is_alive(c); });
+  const auto face_number =
+      number_what_stays(table.loop_size.size(), [&](Index f) { return table.loop_size[f] != 0; });
+  const auto stays_in = [](const std::vector<Index>& number) {
+    return [&number](Index i) { return number[i] != k_no_index; };
+  };
+  keep(table.loop_next, stays_in(corner_number));
+  keep(table.corner_face, stays_in(corner_number));
+  keep(table.loop_start, stays_in(face_number));
+  keep(table.loop_size, stays_in(face_number));
+  for (Index& c : table.loop_next) c = corner_number[c];
+  for (Index& f : table.corner_face) f = face_number[f];
+  for (Index& c : table.loop_start) c = corner_number[c];
+}
+
+/// Takes dead faces and corners out. What tells the dead from the living goes last.
 void pack_faces(CornerTable& table) {
-  const auto face_stays = [&](std::size_t f) { return table.is_face_alive(static_cast<Index>(f)); };
-  const auto corner_stays = [&](std::size_t c) { return table.is_alive(static_cast<Index>(c)); };
-  // What tells the dead from the living goes last.
+  const auto face_stays = [&](Index f) { return table.is_face_alive(f); };
+  const auto corner_stays = [&](Index c) { return table.is_alive(c); };
   if (!table.face_material.empty()) keep(table.face_material, face_stays);
   keep(table.source_face, face_stays);
   if (!table.wedge.empty()) keep(table.wedge, corner_stays);
   if (!table.feature.empty()) keep(table.feature, corner_stays);
   if (table.has_polygons) pack_loops(table);
   keep(table.point, corner_stays);
-  if (!table.has_polygons) return;
-  table.loop_next.resize(table.n_corners());
-  table.corner_face.resize(table.n_corners());
-  table.loop_start.resize(table.n_faces());
-  table.loop_size.resize(table.n_faces());
 }
 
-}  // namespace
-
-void link_rings(CornerTable& table) {
-  table.ring_start.assign(table.n_points() + 1, 0);
-  for (const Index p : table.point) ++table.ring_start[p + 1];
+/// Completes the rings: `ring_start[p + 1]` holds the number of p's corners.
+void fill_rings(CornerTable& table) {
   std::partial_sum(table.ring_start.begin(), table.ring_start.end(), table.ring_start.begin());
   table.ring.resize(table.n_corners());
   // `merged` serves as the places to write to before it gets its own content.
@@ -243,29 +244,41 @@ void link_rings(CornerTable& table) {
   std::iota(table.merged.begin(), table.merged.end(), Index{0});
 }
 
-std::vector<Index> pack(CornerTable& table) {
+}  // namespace
+
+void link_rings(CornerTable& table) {
+  table.ring_start.assign(table.n_points() + 1, 0);
+  for (const Index p : table.point) ++table.ring_start[p + 1];
+  fill_rings(table);
+}
+
+void pack(CornerTable& table) {
+  if (table.n_alive_faces == table.n_faces() && table.n_alive_points == table.n_points()) return;
   pack_faces(table);
-  std::vector<Index> number(table.n_points(), k_no_index);
+  LargeList<Index>& number = table.merged;  // which loses its content anyway
+  std::fill(number.begin(), number.end(), k_no_index);
   for (const Index p : table.point) number[p] = 0;
-  std::vector<Index> old_number;
-  old_number.reserve(table.n_alive_points);
-  for (Index p = 0; p < number.size(); ++p) {
-    if (number[p] == k_no_index) continue;
-    number[p] = static_cast<Index>(old_number.size());
-    old_number.push_back(p);
+  Index next = 0;
+  for (Index& n : number) {
+    if (n != k_no_index) n = next++;
   }
-  for (Index& p : table.point) p = number[p];
-  const auto gather = [&](auto& list) {
-    if (list.empty()) return;
-    for (std::size_t i = 0; i < old_number.size(); ++i) list[i] = list[old_number[i]];
-    list.resize(old_number.size());
+  const auto pack_points = [&] {
+    const auto stays = [&](Index p) { return number[p] != k_no_index; };
+    keep(table.positions, stays);
+    keep(table.classes, stays);
+    keep(table.deviation, stays);
+    keep(table.source_vertex, stays);
+    if (!table.colors.empty()) keep(table.colors, stays);
   };
-  gather(table.positions);
-  gather(table.classes);
-  gather(table.colors);
-  gather(table.source_vertex);
-  link_rings(table);
-  return old_number;
+  const auto pack_corners = [&] {
+    table.ring_start.assign(next + 1, 0);
+    for (Index& p : table.point) {
+      p = number[p];
+      ++table.ring_start[p + 1];
+    }
+  };
+  tbb::parallel_invoke(pack_points, pack_corners);
+  fill_rings(table);
 }
 
 PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_positions) {
@@ -274,8 +287,9 @@ PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_po
   for (Index f = 0; f < table.n_faces(); ++f) {
     if (table.is_face_alive(f)) faces.push_back(f);
   }
-  std::sort(faces.begin(), faces.end(),
-            [&](Index f, Index g) { return std::pair(table.source_face[f], f) < std::pair(table.source_face[g], g); });
+  std::sort(faces.begin(), faces.end(), [&](Index f, Index g) {
+    return std::pair(table.source_face[f], f) < std::pair(table.source_face[g], g);
+  });
   std::vector<Index> vertex(table.n_points(), k_no_index);
   for (const Index f : faces) table.each_corner_of_face(f, [&](Index c) { vertex[table.point[c]] = 0; });
   for (Index p = 0; p < table.n_points(); ++p) {

@@ -1,4 +1,5 @@
-// From a soup to the flat table: points along a space-filling curve, faces by their points, attributes, classes.
+// From a soup to the flat table: points along a space-filling curve, faces by their points, attributes,
+// classes.
 #include <recede/lod/detail/corner_table.h>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -55,17 +56,23 @@ class TableBuilder {
     set_faces();
     table_.n_alive_points = table_.n_points();
     table_.n_alive_faces = table_.n_faces();
-    set_attributes();
+    if (!soup_.feature_edges.empty()) mark_features();
+    // Lists that are done with lend their memory to those that come.
+    table_.merged = std::move(vertex_point_);
+    table_.ring = std::move(turned_);
+    link_rings(table_);
+    if (table_.has_uvs || table_.has_normals) make_wedges();
     classify_points();
+    table_.deviation.assign(table_.n_points(), 0);
     return std::move(table_);
   }
 
  private:
   void set_points();
-  std::vector<Index> order_of_faces() const;
+  void turn_faces();
+  LargeList<Index> order_of_faces();
   void set_faces();
   void set_loops();
-  void set_attributes();
   Wedge corner_wedge(Index source_corner) const;
   bool differ(const Wedge& x, const Wedge& y) const;
   void make_wedges();
@@ -81,8 +88,10 @@ class TableBuilder {
   const PolygonSoup& soup_;
   const CornerTableOptions& options_;
   CornerTable table_;
-  std::vector<Index> vertex_point_;   // by vertex; k_no_index: no face uses it
-  std::vector<Index> source_corner_;  // by corner; only with attributes
+  LargeList<Index> vertex_point_;    // by vertex; k_no_index: no face uses it
+  LargeList<Index> source_corner_;   // by corner; only with attributes
+  LargeList<Index> turned_;          // points of the faces from the lowest on around, in the input's order
+  std::vector<Index> turned_start_;  // by face of the input: where the lowest stands; only with attributes
 };
 
 void TableBuilder::set_points() {
@@ -95,7 +104,7 @@ void TableBuilder::set_points() {
   const auto unit = [&](Index v) -> Vec3 { return (soup_.positions[v] - table_.origin) / table_.scale; };
   vertex_point_.assign(soup_.positions.size(), k_no_index);
   for (const Index v : soup_.corner_vertices) vertex_point_[v] = 0;
-  std::vector<PlacedVertex> order;
+  LargeList<PlacedVertex> order;
   order.reserve(soup_.positions.size());
   for (Index v = 0; v < vertex_point_.size(); ++v) {
     if (vertex_point_[v] == 0) order.push_back({0, v});
@@ -112,16 +121,21 @@ void TableBuilder::set_points() {
     if (p != q) return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
     return x.vertex < y.vertex;
   });
-  table_.positions.reserve(order.size());
   table_.source_vertex.reserve(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i == 0 || position(order[i]) != position(order[i - 1])) {
-      table_.positions.push_back(unit(order[i].vertex));
-      table_.source_vertex.push_back(order[i].vertex);
-      if (!soup_.vertex_colors.empty()) table_.colors.push_back(soup_.vertex_colors[order[i].vertex]);
-    }
-    vertex_point_[order[i].vertex] = static_cast<Index>(table_.positions.size() - 1);
+    const bool is_new =
+        i == 0 || order[i].place != order[i - 1].place || position(order[i]) != position(order[i - 1]);
+    if (is_new) table_.source_vertex.push_back(order[i].vertex);
+    vertex_point_[order[i].vertex] = static_cast<Index>(table_.source_vertex.size() - 1);
   }
+  table_.positions.resize(table_.source_vertex.size());
+  if (!soup_.vertex_colors.empty()) table_.colors.resize(table_.positions.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table_.n_points(), 4096), [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+      table_.positions[p] = unit(table_.source_vertex[p]);
+      if (!table_.colors.empty()) table_.colors[p] = soup_.vertex_colors[table_.source_vertex[p]];
+    }
+  });
 }
 
 bool TableBuilder::visits_a_point_twice() const {
@@ -149,32 +163,41 @@ std::vector<Index> TableBuilder::representatives() const {
   return result;
 }
 
-/// Faces sorted by their points, from the lowest on around; equal ones by number.
-std::vector<Index> TableBuilder::order_of_faces() const {
-  const auto lowest = [&](Index f) {
-    Index least = k_no_index;
-    for (const Index v : soup_.face(f)) least = std::min(least, vertex_point_[v]);
-    return least;
-  };
-  std::vector<Index> start(table_.n_points() + 1, 0);
-  for (Index f = 0; f < soup_.n_faces(); ++f) ++start[lowest(f) + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<Index> order(soup_.n_faces());
-  for (Index f = 0; f < soup_.n_faces(); ++f) order[start[lowest(f)]++] = f;  // now start[p] is the end of p
-  const auto comes_first = [&](Index f, Index g) {
-    const auto a = soup_.face(f), b = soup_.face(g);
-    const auto from = [&](auto face) {
+/// The points of every face, from the lowest on around, in the order of the input; and that start.
+void TableBuilder::turn_faces() {
+  turned_.resize(soup_.n_corners());
+  if (table_.has_uvs || table_.has_normals) turned_start_.resize(soup_.n_faces());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, soup_.n_faces(), 4096), [&](const auto& range) {
+    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+      const auto face = soup_.face(f);
       std::size_t at = 0;
       for (std::size_t i = 1; i < face.size(); ++i) {
         if (vertex_point_[face[i]] < vertex_point_[face[at]]) at = i;
       }
-      return at;
-    };
-    const std::size_t at_a = from(a), at_b = from(b);
-    for (std::size_t i = 1; i < std::min(a.size(), b.size()); ++i) {
-      const Index p = vertex_point_[a[(at_a + i) % a.size()]], q = vertex_point_[b[(at_b + i) % b.size()]];
-      if (p != q) return p < q;
+      if (!turned_start_.empty()) turned_start_[f] = static_cast<Index>(at);
+      Index* to = turned_.data() + soup_.face_offsets[f];
+      for (std::size_t i = at; i < face.size(); ++i) *to++ = vertex_point_[face[i]];
+      for (std::size_t i = 0; i < at; ++i) *to++ = vertex_point_[face[i]];
     }
+  });
+}
+
+/// Faces sorted by their points, from the lowest on around; equal ones by number.
+LargeList<Index> TableBuilder::order_of_faces() {
+  const auto points = [&](Index f) {
+    return std::span(turned_.data() + soup_.face_offsets[f], soup_.face_size(f));
+  };
+  LargeList<Index>& start = table_.ring_start;  // whose content comes later
+  start.assign(table_.n_points() + 1, 0);
+  for (Index f = 0; f < soup_.n_faces(); ++f) ++start[points(f)[0] + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  LargeList<Index> order(soup_.n_faces());
+  for (Index f = 0; f < soup_.n_faces(); ++f)
+    order[start[points(f)[0]]++] = f;  // now start[p] is the end of p
+  const auto comes_first = [&](Index f, Index g) {
+    const auto a = points(f), b = points(g);
+    const auto [x, y] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+    if (x != a.end() && y != b.end()) return *x < *y;
     return a.size() != b.size() ? a.size() < b.size() : f < g;
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table_.n_points(), 4096), [&](const auto& range) {
@@ -187,32 +210,36 @@ std::vector<Index> TableBuilder::order_of_faces() const {
 }
 
 void TableBuilder::set_faces() {
+  table_.has_uvs = !soup_.corner_uvs.empty();
+  table_.has_normals = !soup_.corner_normals.empty();
+  turn_faces();
   table_.source_face = order_of_faces();
-  table_.point.reserve(soup_.n_corners());
-  const bool with_attributes = !soup_.corner_uvs.empty() || !soup_.corner_normals.empty();
-  if (with_attributes) source_corner_.reserve(soup_.n_corners());
-  for (const Index f : table_.source_face) {
-    const auto face = soup_.face(f);
-    std::size_t at = 0;
-    for (std::size_t i = 1; i < face.size(); ++i) {
-      if (vertex_point_[face[i]] < vertex_point_[face[at]]) at = i;
-    }
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const std::size_t side = at + i < face.size() ? at + i : at + i - face.size();
-      table_.point.push_back(vertex_point_[face[side]]);
-      if (with_attributes) source_corner_.push_back(soup_.face_offsets[f] + static_cast<Index>(side));
-    }
-    if (!soup_.face_materials.empty()) table_.face_material.push_back(soup_.face_materials[f]);
-  }
-  table_.materials = soup_.materials;
   table_.has_polygons = soup_.n_corners() != 3 * soup_.n_faces();
   if (table_.has_polygons) set_loops();
-  link_rings(table_);
+  const bool with_attributes = table_.has_uvs || table_.has_normals;
+  table_.point.resize(soup_.n_corners());
+  if (with_attributes) source_corner_.resize(soup_.n_corners());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table_.n_faces(), 4096), [&](const auto& range) {
+    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+      const Index source = table_.source_face[f], first = soup_.face_offsets[source];
+      const auto size = static_cast<Index>(soup_.face_size(source));
+      const Index corner = table_.face_corner(static_cast<Index>(f));
+      std::copy_n(turned_.begin() + first, size, table_.point.begin() + corner);
+      if (!with_attributes) continue;
+      for (Index i = 0; i < size; ++i) {
+        source_corner_[corner + i] = first + (turned_start_[source] + i) % size;
+      }
+    }
+  });
+  if (!soup_.face_materials.empty()) {
+    for (const Index f : table_.source_face) table_.face_material.push_back(soup_.face_materials[f]);
+  }
+  table_.materials = soup_.materials;
 }
 
 void TableBuilder::set_loops() {
-  table_.loop_next.resize(table_.n_corners());
-  table_.corner_face.resize(table_.n_corners());
+  table_.loop_next.resize(soup_.n_corners());
+  table_.corner_face.resize(soup_.n_corners());
   Index corner = 0;
   for (Index f = 0; f < table_.n_faces(); ++f) {
     const auto size = static_cast<Index>(soup_.face_size(table_.source_face[f]));
@@ -223,13 +250,6 @@ void TableBuilder::set_loops() {
       table_.loop_next[corner] = i + 1 == size ? corner + 1 - size : corner + 1;
     }
   }
-}
-
-void TableBuilder::set_attributes() {
-  table_.has_uvs = !soup_.corner_uvs.empty();
-  table_.has_normals = !soup_.corner_normals.empty();
-  if (table_.has_uvs || table_.has_normals) make_wedges();
-  if (!soup_.feature_edges.empty()) mark_features();
 }
 
 Wedge TableBuilder::corner_wedge(Index source_corner) const {
@@ -293,8 +313,7 @@ bool TableBuilder::is_plain(Index p) const {
   }
   const auto agree = [&](Index c, Index following) {
     const auto same = [&](Index x, Index y) { return table_.wedge[x] == table_.wedge[y]; };
-    if (!table_.wedge.empty() &&
-        !(same(c, following) && same(table_.previous(c), table_.next(following)))) {
+    if (!table_.wedge.empty() && !(same(c, following) && same(table_.previous(c), table_.next(following)))) {
       return false;
     }
     if (!table_.feature.empty() && table_.feature[following] != 0) return false;

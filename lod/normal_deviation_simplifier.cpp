@@ -49,9 +49,7 @@ class NormalDeviationSimplifier final : public Simplifier {
                    std::max(0.0, std::min(options.normal_threshold, k_least_cosine))),
         random_(options.seed),
         draws_(std::ceil(options.candidate_share * static_cast<double>(table_.n_alive_faces))),
-        use_corner_normals_(options.polygon_normal == PolygonNormal::source && table_.has_normals) {
-    deviation_.resize(table_.n_points(), 0);
-  }
+        use_corner_normals_(options.polygon_normal == PolygonNormal::source && table_.has_normals) {}
 
  private:
   // The cost itself watches how far polygons turn; the shape rule only keeps them from turning over.
@@ -80,7 +78,6 @@ class NormalDeviationSimplifier final : public Simplifier {
   std::vector<Index> valence_;          // by point: corners at the start of this sweep
   std::vector<unsigned char> altered_;  // by face: changed in this sweep
   std::vector<Vec3> normals_;           // by face: unit, or zero where there is none
-  std::vector<double> deviation_;       // by point: how far removed points near it may stand off
   std::vector<Edge> edges_;             // of this sweep
   std::vector<Index> edge_of_side_;     // by corner: edge of its side
   std::vector<EdgeCost> costs_;         // by edge
@@ -154,8 +151,7 @@ double NormalDeviationSimplifier::cost_of(const Collapse& collapse) const {
   const auto look = [&](Index of, Index other, bool skip_edge_faces) {
     table_.each_corner(of, [&](Index corner) {
       const Index f = table_.face(corner);
-      const bool on_edge =
-          table_.point_after(corner) == other || table_.point_before(corner) == other;
+      const bool on_edge = table_.point_after(corner) == other || table_.point_before(corner) == other;
       if (on_edge && (skip_edge_faces || table_.face_size(f) == 3)) return;
       const Vec3& before = normals_[f];
       if (before.isZero(0)) return;
@@ -282,7 +278,7 @@ double NormalDeviationSimplifier::local_deviation(const Collapse& collapse) cons
     };
     look(rings_.removed);
     look(rings_.kept);
-    deviation = std::max(deviation, deviation_[point] + std::sqrt(nearest));
+    deviation = std::max(deviation, static_cast<double>(table_.deviation[point]) + std::sqrt(nearest));
   };
   from(collapse.removed);
   from(collapse.kept);
@@ -317,7 +313,7 @@ bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
   RunCounts made;
   made.add(apply_collapse(table_, collapse));
   count(made);
-  deviation_[collapse.kept] = deviation;
+  table_.deviation[collapse.kept] = static_cast<float>(deviation);
   counts_.error = std::max(counts_.error, deviation);
   for (const Index f : changed_) normals_[f] = normal(f, {});
   update_around(changed_);
@@ -330,8 +326,7 @@ bool NormalDeviationSimplifier::is_eligible(const Edge& edge) const {
   const Index at = first_is_smaller ? edge.first : edge.second,
               other = first_is_smaller ? edge.second : edge.first;
   table_.each_corner(at, [&](Index corner) {
-    const bool on_edge =
-        table_.point_after(corner) == other || table_.point_before(corner) == other;
+    const bool on_edge = table_.point_after(corner) == other || table_.point_before(corner) == other;
     if (on_edge && altered_[table_.face(corner)] != 0) eligible = false;
   });
   return eligible;
@@ -373,9 +368,7 @@ void NormalDeviationSimplifier::update_around(const std::vector<Index>& changed_
 
 /// Brings the table and what is kept by point or face up to date.
 void NormalDeviationSimplifier::start_sweep() {
-  const std::vector<Index> old_number = pack(table_);
-  for (std::size_t p = 0; p < old_number.size(); ++p) deviation_[p] = deviation_[old_number[p]];
-  deviation_.resize(old_number.size());
+  pack(table_);
   altered_.assign(table_.n_faces(), 0);
   normals_.resize(table_.n_faces());
   tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(normals_.size())),

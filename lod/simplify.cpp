@@ -154,67 +154,80 @@ double diagonal_of(const detail::CornerTable& table) {
   return table.positions.empty() ? 0 : box.diagonal().norm();
 }
 
-std::vector<SimplifyResult> run_levels(detail::Simplifier& simplifier,
-                                       const std::vector<Vec3>& source_positions,
-                                       std::span<const SimplifyTarget> targets, Clock::time_point start,
-                                       Progress* progress) {
+void fill_report(const detail::Simplifier& simplifier, SimplifyReport& report) {
+  const detail::CornerTable& table = simplifier.table();
+  const detail::RunCounts& counts = simplifier.counts();
+  report.faces_after = table.n_alive_faces;
+  report.vertices_after = table.n_alive_points;
+  report.collapses = counts.collapses;
+  report.interior_collapses = counts.interior_collapses;
+  report.removed_faces = counts.removed_faces;
+  report.lost_sides = counts.lost_sides;
+  report.passes = counts.passes;
+  report.error_estimate = counts.error * table.scale;
+  report.refused = counts.refused;
+}
+
+void take(SimplifySoupResult& result, PolygonSoup soup) { result.soup = std::move(soup); }
+void take(SimplifyResult& result, PolygonSoup soup) {
+  split_non_manifold(soup);
+  result.mesh = to_polygon_mesh(soup);
+}
+
+/// `source_positions`: those of the soup from which the table was built.
+template <typename Result>
+std::vector<Result> run_levels(detail::Simplifier& simplifier, const std::vector<Vec3>& source_positions,
+                               std::span<const SimplifyTarget> targets, Clock::time_point start,
+                               Progress* progress) {
   const detail::CornerTable& table = simplifier.table();
   const double diagonal = diagonal_of(table);
   const std::size_t faces_before = table.n_alive_faces, vertices_before = table.n_alive_points;
-  std::vector<SimplifyResult> results;
+  std::vector<Result> results;
   for (const SimplifyTarget& target : targets) {
-    SimplifyResult result;
-    result.reason = simplifier.run(to_limits(target, faces_before, diagonal, table.scale), progress);
-    PolygonSoup soup = to_soup(table, source_positions);
-    result.vertices_after = soup.positions.size();
-    split_non_manifold(soup);
-    result.mesh = to_polygon_mesh(soup);
-    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    Result& result = results.emplace_back();
     result.faces_before = faces_before;
-    result.faces_after = table.n_alive_faces;
     result.vertices_before = vertices_before;
-    const detail::RunCounts& counts = simplifier.counts();
-    result.collapses = counts.collapses;
-    result.interior_collapses = counts.interior_collapses;
-    result.removed_faces = counts.removed_faces;
-    result.lost_sides = counts.lost_sides;
-    result.passes = counts.passes;
-    result.error_estimate = counts.error * table.scale;
-    result.refused = counts.refused;
-    results.push_back(std::move(result));
+    result.reason = simplifier.run(to_limits(target, faces_before, diagonal, table.scale), progress);
+    fill_report(simplifier, result);
+    take(result, to_soup(table, source_positions));
+    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   }
   return results;
 }
 
-}  // namespace
-
-std::vector<SimplifyResult> simplify_levels(const PolygonSoup& soup, std::span<const SimplifyTarget> targets,
-                                            const SimplifyOptions& options, Progress* progress) {
+void check(const SimplifyOptions& options, std::span<const SimplifyTarget> targets) {
   check(options);
   for (const SimplifyTarget& target : targets) check(target);
-  validate(soup, "simplify");
+}
+
+}  // namespace
+
+std::vector<SimplifySoupResult> simplify_levels(const PolygonSoup& soup,
+                                                std::span<const SimplifyTarget> targets,
+                                                const SimplifyOptions& options, Progress* progress) {
   const auto start = Clock::now();
+  check(options, targets);
+  validate(soup, "simplify");
   report_progress(progress, "prepare", 0);
   const auto simplifier = make_simplifier(soup, options);
-  return run_levels(*simplifier, soup.positions, targets, start, progress);
+  return run_levels<SimplifySoupResult>(*simplifier, soup.positions, targets, start, progress);
 }
 
 std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
                                             const SimplifyOptions& options, Progress* progress) {
-  check(options);
-  for (const SimplifyTarget& target : targets) check(target);
   const auto start = Clock::now();
-  report_progress(progress, "prepare", 0);
+  check(options, targets);
   PolygonSoup soup = to_soup(mesh);
   validate(soup, "simplify");
+  report_progress(progress, "prepare", 0);
   const auto simplifier = make_simplifier(soup, options);
   // Only the positions are looked at again.
   const std::vector<Vec3> positions = std::move(soup.positions);
   soup = {};
-  return run_levels(*simplifier, positions, targets, start, progress);
+  return run_levels<SimplifyResult>(*simplifier, positions, targets, start, progress);
 }
 
-SimplifyResult simplify(const PolygonSoup& soup, const SimplifyOptions& options, Progress* progress) {
+SimplifySoupResult simplify(const PolygonSoup& soup, const SimplifyOptions& options, Progress* progress) {
   return std::move(simplify_levels(soup, {&options.target, 1}, options, progress).front());
 }
 

@@ -107,8 +107,8 @@ struct RefusedCollapses {
   std::size_t operator[](Refusal r) const { return counts[static_cast<std::size_t>(r)]; }
 };
 
-struct SimplifyResult {
-  PolygonMesh mesh;
+/// What a simplification reached, and why it went no further.
+struct SimplifyReport {
   std::size_t faces_before = 0, faces_after = 0;
   std::size_t vertices_before = 0, vertices_after = 0;  ///< points; copies of a split vertex count once
   std::size_t collapses = 0;
@@ -124,6 +124,14 @@ struct SimplifyResult {
   double seconds = 0;
 };
 
+struct SimplifyResult : SimplifyReport {
+  PolygonMesh mesh;
+};
+
+struct SimplifySoupResult : SimplifyReport {
+  PolygonSoup soup;  ///< without vertices that no face uses
+};
+
 /// Simplifies a copy of `mesh`. No flipped, duplicate, degenerate or non-finite polygon is made (the input's
 /// own remain possible); edges with more than two polygons are collapsed along themselves with all their
 /// polygons. Corner attributes are interpolated, or taken from the surviving end for half-edge collapses. A
@@ -132,18 +140,19 @@ struct SimplifyResult {
 SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options = {},
                         Progress* progress = nullptr);
 
-/// The same for polygons without connectivity, which spares the half-edge mesh of the input: less time and
-/// memory. Vertices at bit-equal positions count as one. Throws `InputError` for what `validate` refuses.
-SimplifyResult simplify(const PolygonSoup& soup, const SimplifyOptions& options = {},
-                        Progress* progress = nullptr);
+/// The same for polygons without connectivity: no half-edge mesh is built, which takes less time and memory.
+/// Vertices at bit-equal positions count as one. Throws `InputError` for what `validate` refuses.
+SimplifySoupResult simplify(const PolygonSoup& soup, const SimplifyOptions& options = {},
+                            Progress* progress = nullptr);
 
 /// One run that stops at each target in turn (fine to coarse) and hands out the mesh as it stands there.
 /// `options.target` is ignored. Counts and seconds of a result are those from the start of the run.
 std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
                                             const SimplifyOptions& options = {},
                                             Progress* progress = nullptr);
-std::vector<SimplifyResult> simplify_levels(const PolygonSoup& soup, std::span<const SimplifyTarget> targets,
-                                            const SimplifyOptions& options = {},
-                                            Progress* progress = nullptr);
+std::vector<SimplifySoupResult> simplify_levels(const PolygonSoup& soup,
+                                                std::span<const SimplifyTarget> targets,
+                                                const SimplifyOptions& options = {},
+                                                Progress* progress = nullptr);
 
 }  // namespace recede

@@ -27,7 +27,8 @@ void each_line_neighbour(const CornerTable& table, Index point, std::vector<Inde
   seen.clear();
   table.each_corner(point, [&](Index corner) {
     for (const Index q : {table.point_after(corner), table.point_before(corner)}) {
-      if (table.classes[q] == PointClass::smooth || std::find(seen.begin(), seen.end(), q) != seen.end()) continue;
+      if (table.classes[q] == PointClass::smooth || std::find(seen.begin(), seen.end(), q) != seen.end())
+        continue;
       seen.push_back(q);
       if (table.edge_kind(point, q) != k_smooth_edge) visit(q);
     }
@@ -70,7 +71,8 @@ float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix&
   const float trace = a.xx + a.yy + a.zz + b.xx + b.yy + b.zz;
   if (!(trace > 0)) return 0;
   const float unit = 1 / trace;
-  const auto form = [](float xx, float xy, float xz, float yy, float yz, float zz, float x, float y, float z) {
+  const auto form = [](float xx, float xy, float xz, float yy, float yz, float zz, float x, float y,
+                       float z) {
     return x * (xx * x + 2 * (xy * y + xz * z)) + y * (yy * y + 2 * yz * z) + zz * z * z;
   };
   // The sum of both matrices, and what pulls towards the ends: the second's less the first's, times half the
@@ -93,7 +95,8 @@ float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix&
   const float gx = a.x + b.x, gy = a.y + b.y, gz = a.z + b.z;
   const float volume = (b.x - a.x) * hx + (b.y - a.y) * hy + (b.z - a.z) * hz;
   // Inverse of the regularised sum, up to its determinant, by cofactors.
-  const float rxx = xx + k_rank_regularization, ryy = yy + k_rank_regularization, rzz = zz + k_rank_regularization;
+  const float rxx = xx + k_rank_regularization, ryy = yy + k_rank_regularization,
+              rzz = zz + k_rank_regularization;
   const float ixx = ryy * rzz - yz * yz, ixy = xz * yz - xy * rzz, ixz = xy * yz - xz * ryy;
   const float iyy = rxx * rzz - xz * xz, iyz = xy * xz - rxx * yz, izz = rxx * ryy - xy * xy;
   const float determinant = rxx * ixx + xy * ixy + xz * ixz;
@@ -126,7 +129,6 @@ void CollapsePlanner::add_triangle(const Vec3& at, const Vec3& before, const Vec
   constant_ += offset * offset;
   volume_normal_ += normal;
   volume_ += offset;
-  planes_.push_back({normal, offset});
 }
 
 void CollapsePlanner::add_line(const Vec3& through, const Vec3& along) {
@@ -134,11 +136,11 @@ void CollapsePlanner::add_line(const Vec3& through, const Vec3& along) {
   matrix_ += m;
   pull_ += m * through;
   constant_ += through.dot(m * through);
-  lines_.push_back({through, along});
 }
 
-/// Adds what moves with a corner of `at`. A polygon on the edge counts as the triangle between the edge and the
-/// corner before it, and the triangle that is left at the edge's far end; both are met where the side begins.
+/// Adds what moves with a corner of `at`. A polygon on the edge counts as the triangle between the edge and
+/// the corner before it, and the triangle that is left at the edge's far end; both are met where the side
+/// begins.
 void CollapsePlanner::add_corner(const RingCorner& corner, Index at, Index other) {
   const auto place = [&](Index p) -> Vec3 { return table_.positions[p] - center_; };
   if (!corner.on_edge) return add_triangle(place(at), place(corner.before), place(corner.after));
@@ -174,8 +176,6 @@ void CollapsePlanner::gather(const EdgeRings& rings, Index first, Index second) 
   pull_.setZero();
   volume_normal_.setZero();
   constant_ = volume_ = 0;
-  planes_.clear();
-  lines_.clear();
   for (const RingCorner& corner : rings.removed) add_corner(corner, first, second);
   // Sides that run from second to first begin there.
   for (const RingCorner& corner : rings.kept) add_corner(corner, second, first);
@@ -196,8 +196,8 @@ Vec3 CollapsePlanner::best_place() const {
   return place;
 }
 
-/// Least cost among the places where the line from `before` over the new place to `after` sweeps no area in sum:
-/// x cross (after - before) is what it was, which leaves a line for x.
+/// Least cost among the places where the line from `before` over the new place to `after` sweeps no area in
+/// sum: x cross (after - before) is what it was, which leaves a line for x.
 Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) const {
   const Vec3 along = after - before;
   const double length = along.squaredNorm();
@@ -207,31 +207,15 @@ Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) 
   const Vec3 through = along.cross(area) / length;
   const double curvature = along.dot(matrix_ * along);
   // Without curvature the middle is as good as any place.
-  const double step =
-      curvature > k_regularization * matrix_.trace() * length
-          ? along.dot(pull_ - matrix_ * through) / curvature
-          : -along.dot(through) / length;
+  const double step = curvature > k_regularization * matrix_.trace() * length
+                          ? along.dot(pull_ - matrix_ * through) / curvature
+                          : -along.dot(through) / length;
   return through + step * along;
 }
 
-double CollapsePlanner::cost_at(const Vec3& place) const {
-  const double cost = place.dot(matrix_ * place) - 2 * pull_.dot(place) + constant_;
-  return std::max(0.0, cost) + k_length_weight * matrix_.trace() * half_length_squared_;
-}
-
-double CollapsePlanner::deviation_at(const Vec3& place) const {
-  double squared = 0;
-  for (const Plane& plane : planes_) {
-    const double distance = plane.normal.dot(place) - plane.offset, length = plane.normal.squaredNorm();
-    if (length > 0) squared = std::max(squared, distance * distance / length);
-  }
-  for (const Line& line : lines_) {
-    const double length = line.along.squaredNorm();
-    if (length > 0) {
-      squared = std::max(squared, line.along.cross(place - line.through).squaredNorm() / length);
-    }
-  }
-  return std::sqrt(squared);
+/// The sum of what is swept, squared.
+double CollapsePlanner::swept_at(const Vec3& place) const {
+  return std::max(0.0, place.dot(matrix_ * place) - 2 * pull_.dot(place) + constant_);
 }
 
 CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index second) {
@@ -240,9 +224,10 @@ CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index se
   gather(rings, first, second);
   CollapsePlan best;
   const auto consider = [&](Index removed, Index kept, const Vec3& place, double share) {
-    const double cost = cost_at(place);
+    const double swept = swept_at(place), weight = matrix_.trace();
+    const double cost = swept + k_length_weight * weight * half_length_squared_;
     if (best.collapse.removed != k_no_index && !(cost < best.cost)) return;
-    best = {{removed, kept, place + center_, share}, cost, deviation_at(place)};
+    best = {{removed, kept, place + center_, share}, cost, weight > 0 ? std::sqrt(swept / weight) : 0};
   };
   if (placement_ != VertexPlacement::half_edge && freedom.may_move) {
     Vec3 place = Vec3::Zero();

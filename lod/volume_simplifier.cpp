@@ -1,12 +1,12 @@
 // Passes of independent collapses in the order of a volume-preserving cost (see volume_cost.h).
 //
 // Every pass ranks all edges, then walks them from the cheapest on and collapses those whose ends no earlier
-// collapse of the pass has moved. A pass ends at the cost of the edge that would be last if all went in order, so
-// that independence costs little quality.
+// collapse of the pass has moved. A pass ends at the cost of the edge that would be last if all went in
+// order, so that independence costs little quality.
 //
 // Points are numbered along a space-filling curve, so that a range of numbers is a patch of surface. Patches
-// rank and collapse on their own, in parallel and inside a cache; what reaches over the rim of a patch is left
-// for afterwards. The patches don't depend on the number of threads, and neither does the result.
+// rank and collapse on their own, in parallel and inside a cache; what reaches over the rim of a patch is
+// left for afterwards. The patches don't depend on the number of threads, and neither does the result.
 #include <recede/lod/detail/simplifier.h>
 #include <recede/lod/detail/volume_cost.h>
 
@@ -34,16 +34,18 @@ constexpr double k_least_normal_cosine = 0.2;
 /// Factor on the cost for each step of `polygon_loss`.
 constexpr float k_polygon_loss = 8;
 /// Points of one patch.
-constexpr std::size_t k_least_patch = 1024, k_largest_patch = 8192;
+constexpr std::size_t k_least_patch = 1024, k_largest_patch = 16384;
 constexpr std::size_t k_patches = 16;
 
-/// An edge and its cost in one number: costs are positive floats, whose bits are ordered as they are. The edge is
-/// named by the corner where one of its sides begins, so that no two are equal.
+/// An edge and its cost in one number: costs are positive floats, whose bits are ordered as they are. The
+/// edge is named by the corner where one of its sides begins, so that no two are equal.
 using Candidate = std::uint64_t;
 Candidate make_candidate(float cost, Index corner) {
   return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(cost)) << 32 | corner;
 }
-float cost_of(Candidate candidate) { return std::bit_cast<float>(static_cast<std::uint32_t>(candidate >> 32)); }
+float cost_of(Candidate candidate) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(candidate >> 32));
+}
 Index corner_of(Candidate candidate) { return static_cast<Index>(candidate); }
 
 /// Counts of costs by their leading bits: bins of a twelfth of an octave or less.
@@ -90,15 +92,23 @@ struct Patch {
   RunCounts counts;
   std::size_t refused = 0;
 
+  /// Keeps the memory of the lists.
+  void start(Index from, Index to) {
+    first = from;
+    last = to;
+    candidates.clear();
+    across.clear();
+    histogram = {};
+    counts = {};
+    refused = 0;
+  }
   bool contains(Index point) const { return point >= first && point < last; }
 };
 
 class VolumeSimplifier final : public Simplifier {
  public:
   VolumeSimplifier(CornerTable table, const SimplifyOptions& options)
-      : Simplifier(std::move(table), options, k_least_normal_cosine) {
-    deviation_.resize(table_.n_points(), 0);
-  }
+      : Simplifier(std::move(table), options, k_least_normal_cosine) {}
 
  private:
   enum class Try { done, refused, busy, outside };
@@ -118,9 +128,8 @@ class VolumeSimplifier final : public Simplifier {
   std::size_t wanted(const Limits& limits) const;
   std::vector<Candidate> take_all_below(float limit);
 
-  std::vector<float> deviation_;        // by point: how far removed points near it may stand off
-  std::vector<PointMatrix> matrices_;   // by point
-  std::vector<unsigned char> touched_;  // by point: an end of a collapse of this pass
+  LargeList<PointMatrix> matrices_;   // by point
+  LargeList<unsigned char> touched_;  // by point: an end of a collapse of this pass
   std::vector<Patch> patches_;
   double rank_scale_ = 1;
   std::size_t refused_ = 0;  // edges that the last pass refused
@@ -132,18 +141,14 @@ void VolumeSimplifier::each_patch(Work&& work) {
 }
 
 void VolumeSimplifier::start_pass() {
-  const std::vector<Index> old_number = pack(table_);
-  for (std::size_t p = 0; p < old_number.size(); ++p) deviation_[p] = deviation_[old_number[p]];
-  deviation_.resize(old_number.size());
-  touched_.assign(old_number.size(), 0);
-  matrices_.resize(old_number.size());
-  const std::size_t n = old_number.size();
+  pack(table_);
+  const std::size_t n = table_.n_points();
+  touched_.assign(n, 0);
+  matrices_.resize(n);
   const std::size_t size = std::clamp(n / k_patches, k_least_patch, k_largest_patch);
   patches_.resize((n + size - 1) / size);
   for (std::size_t i = 0; i < patches_.size(); ++i) {
-    patches_[i] = Patch{};
-    patches_[i].first = static_cast<Index>(i * size);
-    patches_[i].last = static_cast<Index>(std::min(n, (i + 1) * size));
+    patches_[i].start(static_cast<Index>(i * size), static_cast<Index>(std::min(n, (i + 1) * size)));
   }
   // A unit in which edges are about 1 long.
   rank_scale_ = std::sqrt(static_cast<double>(std::max<std::size_t>(table_.n_faces(), 1)));
@@ -201,8 +206,8 @@ void VolumeSimplifier::rank(Patch& patch) {
 }
 
 /// Tries one edge. `within`: the collapse must not reach beyond the patch.
-VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit, double error, Workbench& bench,
-                                                const Patch* within, RunCounts& counts) {
+VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit, double error,
+                                                Workbench& bench, const Patch* within, RunCounts& counts) {
   const Index corner = corner_of(candidate);
   if (!table_.is_alive(corner)) return Try::busy;
   const Index p = table_.point[corner], q = table_.point_after(corner);
@@ -217,7 +222,7 @@ VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit
   if (plan.cost * std::pow(rank_scale_, 6) > most) return Try::refused;
   const Collapse& collapse = plan.collapse;
   const double deviation =
-      plan.deviation + static_cast<double>(std::max(deviation_[first], deviation_[second]));
+      plan.deviation + static_cast<double>(std::max(table_.deviation[first], table_.deviation[second]));
   if (deviation > error) {
     ++counts.refused[Refusal::error];
     return Try::refused;
@@ -229,7 +234,7 @@ VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit
   }
   counts.add(apply_collapse(table_, collapse));
   counts.error = std::max(counts.error, deviation);
-  deviation_[collapse.kept] = static_cast<float>(deviation);
+  table_.deviation[collapse.kept] = static_cast<float>(deviation);
   touched_[first] = touched_[second] = 1;
   return Try::done;
 }
@@ -263,8 +268,8 @@ std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidat
   return done;
 }
 
-/// Collapses that are still to be made; an interior collapse of a closed triangle mesh removes two faces, with
-/// quads fewer, and then the next pass goes on.
+/// Collapses that are still to be made; an interior collapse of a closed triangle mesh removes two faces,
+/// with quads fewer, and then the next pass goes on.
 std::size_t VolumeSimplifier::wanted(const Limits& limits) const {
   std::size_t result = table_.n_alive_points;
   if (limits.faces > 0) result = std::min(result, (table_.n_alive_faces - limits.faces + 1) / 2);

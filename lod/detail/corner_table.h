@@ -3,6 +3,7 @@
 #pragma once
 
 #include <recede/geometry/polygon_soup.h>
+#include <recede/lod/detail/large_list.h>
 
 #include <vector>
 
@@ -32,34 +33,35 @@ struct Wedge {
   Vec3 normal = Vec3::Zero();
 };
 
-/// Points are numbered along a space-filling curve and faces by their points, so that neighbours lie near each
-/// other in memory and the numbering does not depend on that of the input. Between two calls of `pack`, faces
-/// and corners only die and points only merge; numbers stay.
+/// Points are numbered along a space-filling curve and faces by their points, so that neighbours lie near
+/// each other in memory and the numbering does not depend on that of the input. Between two calls of `pack`,
+/// faces and corners only die and points only merge; numbers stay.
 struct CornerTable {
   // By point.
-  std::vector<Vec3> positions;  ///< in the unit box; see `origin` and `scale`
-  std::vector<PointClass> classes;
-  std::vector<Vec4> colors;          ///< empty: none
-  std::vector<Index> source_vertex;  ///< in the input
-  std::vector<Index> ring_start;     ///< one more than points: where the point's corners begin in `ring`
-  std::vector<Index> merged;         ///< circular list of the points that became one since `pack`
+  LargeList<Vec3> positions;  ///< in the unit box; see `origin` and `scale`
+  LargeList<PointClass> classes;
+  LargeList<float> deviation;      ///< how far removed points near it may stand off, in table units
+  LargeList<Vec4> colors;          ///< empty: none
+  LargeList<Index> source_vertex;  ///< in the input
+  LargeList<Index> ring_start;     ///< one more than points: where the point's corners begin in `ring`
+  LargeList<Index> merged;         ///< circular list of the points that became one since `pack`
 
   // By corner. Corners of a face of a table of triangles stand in threes.
-  std::vector<Index> point;            ///< k_no_index: the corner is dead
-  std::vector<Index> ring;             ///< corners sorted by the point that they had at `pack`
-  std::vector<Index> wedge;            ///< empty: no corner attributes
-  std::vector<unsigned char> feature;  ///< empty: none; 1: the side to the next corner is a feature edge
+  LargeList<Index> point;            ///< k_no_index: the corner is dead
+  LargeList<Index> ring;             ///< corners sorted by the point that they had at `pack`
+  LargeList<Index> wedge;            ///< empty: no corner attributes
+  LargeList<unsigned char> feature;  ///< empty: none; 1: the side to the next corner is a feature edge
 
   // By face.
-  std::vector<Index> source_face;    ///< in the input
-  std::vector<Index> face_material;  ///< empty: none
+  LargeList<Index> source_face;    ///< in the input
+  LargeList<Index> face_material;  ///< empty: none
 
   // Only when some face has more than three sides.
   bool has_polygons = false;
-  std::vector<Index> loop_next, corner_face;  ///< by corner
-  std::vector<Index> loop_start, loop_size;   ///< by face: a corner, and the number of sides (0: dead)
+  LargeList<Index> loop_next, corner_face;  ///< by corner
+  LargeList<Index> loop_start, loop_size;   ///< by face: a corner, and the number of sides (0: dead)
 
-  std::vector<Wedge> wedges;
+  LargeList<Wedge> wedges;
   bool has_uvs = false, has_normals = false;
   std::vector<Material> materials;
 
@@ -135,16 +137,16 @@ struct CollapseEffect {
   Index edge_faces = 0, removed_faces = 0, lost_sides = 0;
 };
 
-/// Carries out a collapse that `CollapseRules` allowed; constant work for each corner of `removed`. The counts
-/// of live faces and points are the caller's to keep, so that collapses that share no face may run in
+/// Carries out a collapse that `CollapseRules` allowed; constant work for each corner of `removed`. The
+/// counts of live faces and points are the caller's to keep, so that collapses that share no face may run in
 /// parallel.
 CollapseEffect apply_collapse(CornerTable& table, const Collapse& collapse);
 
-/// Sorts the corners by their points. All must be alive.
+/// Sorts the corners of a table without dead ones by their points.
 void link_rings(CornerTable& table);
 
-/// Takes out what is dead and numbers the rest anew, in the same order. Returns the old number of every point.
-std::vector<Index> pack(CornerTable& table);
+/// Takes out what is dead and numbers the rest anew, in the same order.
+void pack(CornerTable& table);
 
 /// Live faces and points in the order of the input, in object space. Vertices without faces are left out. A
 /// point that never moved has the bits of `source_positions`, those of the input.

@@ -2,21 +2,22 @@
 //
 // P. Lindstrom, G. Turk: Fast and Memory Efficient Polygonal Simplification. Visualization 1998.
 //
-// Every triangle that moves with the edge sweeps a volume that is linear in the new place x: n.(x - v), where v
-// is the triangle's moving corner and n twice its vector area. The cost is the sum of the squared volumes; the
-// new place is the best of those where the volumes cancel, so that the enclosed volume stays. Along lines
-// (borders, creases, seams) the areas swept by the line's pieces count likewise, and there the new place is the
-// best of those where the areas cancel: straight lines stay straight, flat ones flat. Nothing is remembered from
-// earlier collapses: all is measured on the surface as it stands. Polygons with more than three sides count by
-// their ears: the triangle at each corner, which is all of the polygon that moves with it.
+// Every triangle that moves with the edge sweeps a volume that is linear in the new place x: n.(x - v), where
+// v is the triangle's moving corner and n twice its vector area. The cost is the sum of the squared volumes;
+// the new place is the best of those where the volumes cancel, so that the enclosed volume stays. Along lines
+// (borders, creases, seams) the areas swept by the line's pieces count likewise, and there the new place is
+// the best of those where the areas cancel: straight lines stay straight, flat ones flat. Nothing is
+// remembered from earlier collapses: all is measured on the surface as it stands. Polygons with more than
+// three sides count by their ears: the triangle at each corner, which is all of the polygon that moves with
+// it.
 #pragma once
 
 #include <recede/lod/detail/collapse_rules.h>
 
 namespace recede::detail {
 
-/// The sum of n n^T over the triangles around a point, and the sum of n: enough for the cost of an edge, because
-/// all triangles pass through the point. Float is enough to rank, as all is relative to the point.
+/// The sum of n n^T over the triangles around a point, and the sum of n: enough for the cost of an edge,
+/// because all triangles pass through the point. Float is enough to rank, as all is relative to the point.
 struct PointMatrix {
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   float x = 0, y = 0, z = 0;
@@ -32,29 +33,22 @@ float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix&
 
 /// Where an edge goes and what that costs.
 struct CollapsePlan {
-  Collapse collapse;     ///< `removed` is k_no_index when the edge must stay
-  double cost = 0;       ///< in the unit of `rank_smooth_edge` with scale 1
-  double deviation = 0;  ///< largest distance of the new place from the planes and lines that it replaces
+  Collapse collapse;  ///< `removed` is k_no_index when the edge must stay
+  double cost = 0;    ///< in the unit of `rank_smooth_edge` with scale 1
+  double deviation =
+      0;  ///< root mean square distance of the new place from the planes and lines that it replaces
 };
 
 /// Evaluates edges exactly. Keeps lists between edges, so that no memory is allocated: one object per thread.
 class CollapsePlanner {
  public:
-  CollapsePlanner(const CornerTable& table, VertexPlacement placement) : table_(table), placement_(placement) {}
+  CollapsePlanner(const CornerTable& table, VertexPlacement placement)
+      : table_(table), placement_(placement) {}
 
   /// `rings` are those of the edge, `first` as removed.
   CollapsePlan plan(const EdgeRings& rings, Index first, Index second);
 
  private:
-  /// A plane or line that the new place should lie on: weight and where it passes, relative to the middle of the
-  /// edge.
-  struct Plane {
-    Vec3 normal;
-    double offset;
-  };
-  struct Line {
-    Vec3 through, along;
-  };
   void gather(const EdgeRings& rings, Index first, Index second);
   void add_corner(const RingCorner& corner, Index at, Index other);
   void add_triangle(const Vec3& at, const Vec3& before, const Vec3& after);
@@ -62,8 +56,7 @@ class CollapsePlanner {
   void add_line(const Vec3& through, const Vec3& along);
   Vec3 best_place() const;
   Vec3 best_place_on_line(const Vec3& before, const Vec3& after) const;
-  double cost_at(const Vec3& place) const;
-  double deviation_at(const Vec3& place) const;
+  double swept_at(const Vec3& place) const;
 
   const CornerTable& table_;
   VertexPlacement placement_;
@@ -74,8 +67,6 @@ class CollapsePlanner {
   double constant_ = 0, volume_ = 0;
   Vec3 half_edge_ = Vec3::Zero();  // from the middle to the second point
   double half_length_squared_ = 0;
-  std::vector<Plane> planes_;
-  std::vector<Line> lines_;
   std::vector<Index> neighbours_;
   Index line_before_ = k_no_index, line_after_ = k_no_index;  // where the line through the edge goes on
 };
