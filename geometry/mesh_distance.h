@@ -4,6 +4,7 @@
 #include <recede/geometry/polygon_mesh.h>
 #include <recede/geometry/progress.h>
 
+#include <memory>
 #include <optional>
 
 namespace recede {
@@ -50,5 +51,24 @@ MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const 
                               Progress* progress = nullptr);
 MeshDistance measure_distance(const PolygonMesh& a, const PolygonMesh& b, const DistanceOptions& options = {},
                               Progress* progress = nullptr);
+
+/// Measures many surfaces against one, whose search tree is built once.
+class DistanceMeter {
+ public:
+  /// `reference` must live as long as the meter.
+  explicit DistanceMeter(const PolygonSoup& reference);
+  ~DistanceMeter();
+  DistanceMeter(const DistanceMeter&) = delete;
+  DistanceMeter& operator=(const DistanceMeter&) = delete;
+
+  /// As `measure_distance(reference, other)`, for surfaces of about the same size.
+  MeshDistance to(const PolygonSoup& other, const DistanceOptions& options = {},
+                  Progress* progress = nullptr) const;
+
+ private:
+  struct Measured;
+  const PolygonSoup& reference_;
+  std::unique_ptr<Measured> measured_;  // none without faces
+};
 
 }  // namespace recede

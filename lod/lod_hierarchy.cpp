@@ -70,7 +70,7 @@ class LevelProgress final : public Progress {
 class HierarchyBuilder {
  public:
   HierarchyBuilder(const PolygonMesh& mesh, const HierarchyOptions& options, Progress* progress)
-      : mesh_(mesh), input_(to_soup(mesh)), options_(options), progress_(progress) {}
+      : mesh_(mesh), input_(to_soup(mesh)), meter_(input_), options_(options), progress_(progress) {}
 
   LodHierarchy build(const std::string& name) {
     hierarchy_.name = name;
@@ -94,65 +94,35 @@ class HierarchyBuilder {
   void add_levels_by_ratio() {
     std::vector<SimplifyTarget> targets;
     for (const double ratio : options_.ratios) targets.push_back({.ratio = ratio});
-    for (SimplifyResult& result : simplify_levels(mesh_, targets, options_.simplify, progress_))
+    // What is measured here goes into the report with more than the bound.
+    SimplifyOptions options = options_.simplify;
+    options.prove_error = false;
+    for (SimplifyResult& result : simplify_levels(mesh_, targets, options, progress_))
       add_level(std::move(result));
   }
 
   void add_levels_by_error() {
-    std::vector<double> limits = options_.errors;
+    std::vector<SimplifyTarget> targets;
+    for (const double error : options_.errors) targets.push_back({.error = error});
     for (const double distance : options_.distances) {
-      limits.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
+      targets.push_back({.error = options_.view.pixel_error * pixel_footprint(distance, options_.view)});
     }
-    for (const double limit : limits) {
-      const std::string name = fmt::format("level {}", hierarchy_.levels.size());
-      LevelProgress progress(progress_, name);
-      hierarchy_.levels.push_back(search_level(limit, &progress));
-    }
-  }
-
-  /// The coarsest of a few simplifications whose certified bound keeps the limit. The estimate that
-  /// simplification stops at and the bound grow together, so their ratio in one try gives the next.
-  LodLevel search_level(double limit, Progress* progress) {
-    constexpr int k_tries = 6;
-    constexpr double k_close_enough = 0.8;  // of the limit
-    constexpr double k_margin = 0.95;       // aim a little lower than the limit
-    double estimate = limit * estimate_per_bound_, below = 0, above = std::numeric_limits<double>::infinity();
-    LodLevel best;
-    bool found = false;
-    for (int attempt = 0; attempt < k_tries; ++attempt) {
-      SimplifyOptions options = options_.simplify;
-      options.target = {.error = estimate};
-      LodLevel level = measured_level(simplify(mesh_, options, progress), progress);
-      const double bound = level.error.bound;
-      if (bound > 0) estimate_per_bound_ = estimate / bound;
-      if (bound <= limit) {
-        below = std::max(below, estimate);
-        if (!found || level.mesh.n_faces() <= best.mesh.n_faces()) best = std::move(level);
-        found = true;
-        if (bound >= k_close_enough * limit) break;
-      } else {
-        above = std::min(above, estimate);
-      }
-      double next = bound > 0 ? k_margin * limit * estimate_per_bound_ : 4 * estimate;
-      if (!(next > below && next < above)) next = std::isfinite(above) ? 0.5 * (below + above) : 4 * estimate;
-      estimate = next;
-    }
-    if (found) return best;
-    LodLevel copy;  // nothing simpler keeps the limit: the level before does
-    copy.mesh = hierarchy_.levels.back().mesh;
-    copy.error = hierarchy_.levels.back().error;
-    copy.stop_reason = "no simplification keeps the error limit";
-    return copy;
+    SimplifyOptions options = options_.simplify;
+    options.prove_error = true;
+    for (SimplifyResult& result : simplify_levels(mesh_, targets, options, progress_))
+      add_level(std::move(result));
   }
 
   LodLevel measured_level(SimplifyResult result, Progress* progress) {
     LodLevel level;
-    level.simplify_seconds = result.seconds;
+    level.simplify_seconds = result.seconds + result.proof_seconds;
     level.stop_reason = to_string(result.reason);
     const auto start = Clock::now();
-    const MeshDistance distance = measure_distance(input_, to_soup(result.mesh), options_.measure, progress);
+    const MeshDistance distance = meter_.to(to_soup(result.mesh), options_.measure, progress);
     level.measure_seconds = seconds_since(start);
-    level.error = {distance.max, distance.rms, *distance.max_bound};
+    // Two proofs of one error: the narrower one holds.
+    level.error = {distance.max, distance.rms,
+                   std::min(*distance.max_bound, result.error_bound.value_or(*distance.max_bound))};
     level.mesh = std::move(result.mesh);
     return level;
   }
@@ -178,10 +148,10 @@ class HierarchyBuilder {
 
   const PolygonMesh& mesh_;
   PolygonSoup input_;
+  DistanceMeter meter_;
   const HierarchyOptions& options_;
   Progress* progress_;
   LodHierarchy hierarchy_;
-  double estimate_per_bound_ = 0.5;  // of the last try: where the next search starts
 };
 
 }  // namespace

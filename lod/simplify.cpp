@@ -1,4 +1,5 @@
 #include <recede/geometry/error.h>
+#include <recede/lod/detail/error_proof.h>
 #include <recede/lod/detail/simplifier.h>
 #include <recede/lod/simplify.h>
 
@@ -174,23 +175,36 @@ void take(SimplifyResult& result, PolygonSoup soup) {
   result.mesh = to_polygon_mesh(soup);
 }
 
-/// `source_positions`: those of the soup from which the table was built.
+/// Runs to each target in turn. `input` is what the table was built from; without a proof only its positions.
 template <typename Result>
-std::vector<Result> run_levels(detail::Simplifier& simplifier, const std::vector<Vec3>& source_positions,
+std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup& input, bool prove,
                                std::span<const SimplifyTarget> targets, Clock::time_point start,
                                Progress* progress) {
   const detail::CornerTable& table = simplifier.table();
   const double diagonal = diagonal_of(table);
   const std::size_t faces_before = table.n_alive_faces, vertices_before = table.n_alive_points;
+  std::optional<detail::ErrorProof> proof;
+  if (prove) proof.emplace(input);
   std::vector<Result> results;
   for (const SimplifyTarget& target : targets) {
     Result& result = results.emplace_back();
     result.faces_before = faces_before;
     result.vertices_before = vertices_before;
-    result.reason = simplifier.run(to_limits(target, faces_before, diagonal, table.scale), progress);
+    const Limits limits = to_limits(target, faces_before, diagonal, table.scale);
+    result.reason = proof && std::isfinite(limits.error)
+                        ? run_to_proved_error(simplifier, limits, input.positions, *proof, progress)
+                        : simplifier.run(limits, progress);
     fill_report(simplifier, result);
-    take(result, to_soup(table, source_positions));
-    result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    PolygonSoup soup = to_soup(table, input.positions);
+    if (proof) {
+      if (const auto error = proof->prove(soup, progress)) {
+        result.error_lower = error->lower;
+        result.error_bound = error->upper;
+      }
+      result.proof_seconds = proof->seconds();
+    }
+    take(result, std::move(soup));
+    result.seconds = std::chrono::duration<double>(Clock::now() - start).count() - result.proof_seconds;
   }
   return results;
 }
@@ -210,7 +224,7 @@ std::vector<SimplifySoupResult> simplify_levels(const PolygonSoup& soup,
   validate(soup, "simplify");
   report_progress(progress, "prepare", 0);
   const auto simplifier = make_simplifier(soup, options);
-  return run_levels<SimplifySoupResult>(*simplifier, soup.positions, targets, start, progress);
+  return run_levels<SimplifySoupResult>(*simplifier, soup, options.prove_error, targets, start, progress);
 }
 
 std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<const SimplifyTarget> targets,
@@ -221,10 +235,13 @@ std::vector<SimplifyResult> simplify_levels(const PolygonMesh& mesh, std::span<c
   validate(soup, "simplify");
   report_progress(progress, "prepare", 0);
   const auto simplifier = make_simplifier(soup, options);
-  // Only the positions are looked at again.
-  const std::vector<Vec3> positions = std::move(soup.positions);
-  soup = {};
-  return run_levels<SimplifyResult>(*simplifier, positions, targets, start, progress);
+  if (!options.prove_error) {
+    // Only the positions are looked at again.
+    std::vector<Vec3> positions = std::move(soup.positions);
+    soup = {};
+    soup.positions = std::move(positions);
+  }
+  return run_levels<SimplifyResult>(*simplifier, soup, options.prove_error, targets, start, progress);
 }
 
 SimplifySoupResult simplify(const PolygonSoup& soup, const SimplifyOptions& options, Progress* progress) {

@@ -45,13 +45,13 @@ enum class PolygonNormal {
 };
 
 /// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost
-/// permits
-/// (`normal_deviation`) or as the mesh allows (`volume`).
+/// permits (`normal_deviation`) or as the mesh allows (`volume`). Errors are the two-sided distance to the input,
+/// proved unless `SimplifyOptions::prove_error` is off.
 struct SimplifyTarget {
   std::optional<std::size_t> faces{};     ///< at most this many faces
   std::optional<std::size_t> vertices{};  ///< at most this many vertices
   std::optional<double> ratio{};          ///< at most this share of the input's faces, 0 to 1
-  std::optional<double> error{};          ///< stop before `error_estimate` exceeds this, object units
+  std::optional<double> error{};          ///< the error is at most this, object units
   std::optional<double>
       relative_error{};  ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
 };
@@ -60,6 +60,10 @@ struct SimplifyOptions {
   SimplifyTarget target;
   CostPolicy cost = CostPolicy::volume;
   VertexPlacement placement = VertexPlacement::automatic;
+
+  /// Prove how far the result is from the input (`error_bound`), and keep error targets by that proof; targets
+  /// then take several runs. Off: `error_estimate` is all that is known, and error targets are compared with it.
+  bool prove_error = true;
 
   /// Leave every border vertex where it is, instead of collapsing borders along themselves.
   bool lock_borders = false;
@@ -119,9 +123,14 @@ struct SimplifyReport {
   /// Largest deviation from the input that the collapses may have made, object units: the distances by which
   /// collapses at one place moved the surface, summed up. An estimate, not a bound.
   double error_estimate = 0;
+  /// Certified, up to rounding in double precision: the two-sided Hausdorff distance to the input lies in
+  /// [error_lower, error_bound], object units. Absent when it wasn't proved, or without faces.
+  std::optional<double> error_bound;
+  double error_lower = 0;
   StopReason reason = StopReason::no_collapse_left;
   RefusedCollapses refused;
-  double seconds = 0;
+  double seconds = 0;        ///< without those of the proof
+  double proof_seconds = 0;  ///< all proofs since the start of the run
 };
 
 struct SimplifyResult : SimplifyReport {

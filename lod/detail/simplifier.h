@@ -39,6 +39,17 @@ class Simplifier {
   const CornerTable& table() const { return table_; }
   const RunCounts& counts() const { return counts_; }
 
+  /// Where the simplification stands, to come back to.
+  struct State {
+    CornerTable table;
+    RunCounts counts;
+  };
+  State state() const { return {table_, counts_}; }
+  void restore(const State& state) {
+    table_ = state.table;
+    counts_ = state.counts;
+  }
+
  protected:
   /// One pass or sweep under `limits`. Returns how many collapses it made.
   virtual std::size_t pass(const Limits& limits, Progress* progress) = 0;

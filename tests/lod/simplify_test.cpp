@@ -65,11 +65,19 @@ TEST(Simplify, StopsAtEveryKindOfTarget) {
   EXPECT_EQ(simplify(mesh, options).vertices_after, 300u);
   EXPECT_EQ(simplify(mesh, options).reason, StopReason::vertex_target);
   options.target = {};
-  options.target.relative_error = 1e-3;
+  options.target.relative_error = 0.01;
+  const double limit = 0.01 * summarize(mesh).box.diagonal().norm();
   const SimplifyResult by_error = simplify(mesh, options);
   EXPECT_EQ(by_error.reason, StopReason::error_target);
-  EXPECT_LE(by_error.error_estimate, 1e-3 * summarize(mesh).box.diagonal().norm());
-  EXPECT_LT(by_error.faces_after, mesh.n_faces() / 2);
+  ASSERT_TRUE(by_error.error_bound);
+  EXPECT_LE(*by_error.error_bound, limit);
+  EXPECT_GE(*by_error.error_bound, 0.5 * limit) << "coarser was possible";
+  EXPECT_LT(by_error.faces_after, mesh.n_faces() / 4);
+  options.prove_error = false;
+  const SimplifyResult by_estimate = simplify(mesh, options);
+  EXPECT_EQ(by_estimate.reason, StopReason::error_target);
+  EXPECT_LE(by_estimate.error_estimate, limit);
+  EXPECT_FALSE(by_estimate.error_bound);
   options.target.faces = 2000;
   EXPECT_EQ(simplify(mesh, options).reason, StopReason::face_target) << "the first that is reached stops";
 }

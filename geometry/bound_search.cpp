@@ -1,0 +1,301 @@
+#include <recede/geometry/detail/bound_search.h>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace recede::detail {
+namespace {
+
+/// Drops positions that no triangle uses.
+std::vector<Vec3> keep_used(std::vector<Vec3> positions, std::vector<Index>& triangles) {
+  std::vector<Index> number(positions.size(), k_no_index);
+  for (const Index v : triangles) number[v] = 0;
+  Index n = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == k_no_index) continue;
+    number[v] = n;
+    positions[n++] = positions[v];
+  }
+  positions.resize(n);
+  for (Index& v : triangles) v = number[v];
+  return positions;
+}
+
+}  // namespace
+
+Surface::Surface(PolygonSoup soup)
+    : triangles(triangulate(soup)),
+      tree((positions = keep_used(std::move(soup.positions), triangles)), triangles) {
+  areas.reserve(n_triangles());
+  for (std::size_t t = 0; t < n_triangles(); ++t) {
+    const Triangle corners = triangle(t);
+    areas.push_back(0.5 * (corners.b - corners.a).cross(corners.c - corners.a).norm());
+    area += areas.back();
+  }
+}
+
+namespace {
+
+/// For each side of each triangle (from corner s to the next) the triangle across it; k_no_index at borders and
+/// where more than two meet.
+std::vector<Index> triangles_across(const Surface& surface) {
+  const std::vector<Index>& corners = surface.triangles;
+  const auto next = [](Index side) { return side % 3 == 2 ? side - 2 : side + 1; };
+  // Sides grouped by their lower end.
+  std::vector<Index> start(surface.positions.size() + 1, 0);
+  const auto lower_end = [&](Index side) { return std::min(corners[side], corners[next(side)]); };
+  const auto upper_end = [&](Index side) { return std::max(corners[side], corners[next(side)]); };
+  for (Index side = 0; side < corners.size(); ++side) ++start[lower_end(side) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<Index> sides(corners.size()), end(start.begin(), start.end() - 1);
+  for (Index side = 0; side < corners.size(); ++side) sides[end[lower_end(side)]++] = side;
+  std::vector<Index> across(corners.size(), k_no_index);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.positions.size(), 4096), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      const auto first = sides.begin() + start[v], last = sides.begin() + start[v + 1];
+      std::sort(first, last, [&](Index x, Index y) {
+        return std::pair(upper_end(x), x) < std::pair(upper_end(y), y);
+      });
+      for (auto at = first; at != last;) {
+        const auto after = std::find_if(at, last, [&](Index s) { return upper_end(s) != upper_end(*at); });
+        if (after - at == 2) {
+          across[at[0]] = at[1] / 3;
+          across[at[1]] = at[0] / 3;
+        }
+        at = after;
+      }
+    }
+  });
+  return across;
+}
+
+double longest_side(const Triangle& t) {
+  return std::sqrt(
+      std::max({(t.a - t.b).squaredNorm(), (t.b - t.c).squaredNorm(), (t.c - t.a).squaredNorm()}));
+}
+
+/// Distances of a piece's corners to a triangle: over the piece, `largest` isn't exceeded.
+struct CornerDistances {
+  double least, largest;
+};
+
+CornerDistances corner_distances(const Triangle& t, const Triangle& target) {
+  const auto [least, largest] = std::minmax({(closest_point_on_triangle(t.a, target) - t.a).squaredNorm(),
+                                             (closest_point_on_triangle(t.b, target) - t.b).squaredNorm(),
+                                             (closest_point_on_triangle(t.c, target) - t.c).squaredNorm()});
+  return {std::sqrt(least), std::sqrt(largest)};
+}
+
+/// Branch and bound over the pieces of one triangle.
+///
+/// The distance to one triangle is convex, so over a piece of the source surface it is largest at the piece's
+/// corners; the distance to the surface is at most that for any triangle of it. It is also at most the
+/// distance of the centroid plus the piece's radius. A piece whose smallest such bound doesn't meet the goal
+/// is cut: along the prism over a triangle near it when it sticks out of that (beyond the cut the triangle
+/// across the side is nearer, so flat regions are done after one piece for each pair of overlapping
+/// triangles, walking from neighbour to neighbour), else into four.
+class BoundSearch {
+ public:
+  /// `n_triangles`: how many share the work.
+  BoundSearch(const Surface& to, const std::vector<Index>& across, const BoundGoal& goal,
+              std::size_t n_triangles)
+      : to_(to), across_(across), goal_(goal), most_work_(std::max(k_most_work / n_triangles, k_least_share)) {}
+
+  /// Interval over one triangle; `lower` is at least that of the goal. `near` are triangles of the other surface.
+  Interval run(const Triangle& triangle, const std::array<Index, 3>& near) {
+    Interval result{goal_.lower, 0};
+    for (const Index hint : near) {
+      if (settle(corner_distances(triangle, to_.triangle(hint)).largest, result)) return result;
+    }
+    pieces_.clear();
+    pieces_.push_back({triangle, near[0], 0});
+    for (std::size_t work = 0; !pieces_.empty();) {
+      const Piece piece = pieces_.back();
+      pieces_.pop_back();
+      const bool give_up = work > most_work_;
+      if (give_up || !walk(piece, result)) {
+        look_up(piece, result, give_up);
+        work += k_look_up_work;
+      } else {
+        ++work;
+      }
+    }
+    return result;
+  }
+
+ private:
+  // Past its share of this, a triangle's pieces keep the bound that they have: the interval stays true, only
+  // wider than asked. Surfaces made of slivers would otherwise be cut for hours. In steps to a neighbour; a
+  // look-up takes as long as some ten.
+  static constexpr std::size_t k_look_up_work = 10;
+  static constexpr std::size_t k_most_work = 200'000'000;
+  static constexpr std::size_t k_least_share = 10'000;
+  /// Steps from neighbour to neighbour, after which the nearest triangle is looked up, and after which a piece is
+  /// cut in four: on folded surfaces prisms may cut for ever.
+  static constexpr int k_most_walk = 12, k_most_steps = 16;
+
+  struct Piece {
+    Triangle corners;
+    Index near;  ///< a triangle of the other surface
+    int steps;   ///< to it since the last cut in four
+  };
+  /// How a piece lies to the prism over a triangle.
+  struct Overhang {
+    int side = -1;                    ///< beyond which a corner lies farthest; -1: none
+    bool cuts = false;                ///< part of the piece lies on the inner side
+    std::array<double, 3> heights{};  ///< of the piece's corners beyond the side
+  };
+
+  double enough(const Interval& result) const {
+    return std::max(result.lower / (1 - goal_.tolerance), goal_.floor);
+  }
+
+  /// True when this bound is good enough.
+  bool settle(double bound, Interval& result) const {
+    if (bound > enough(result)) return false;
+    result.upper = std::max(result.upper, bound);
+    return true;
+  }
+
+  /// Settles the piece by the triangle that it names, or hands it on, cut or whole, to a neighbour. False when it
+  /// takes a look-up.
+  bool walk(const Piece& piece, Interval& result) {
+    const Triangle target = to_.triangle(piece.near);
+    const CornerDistances distances = corner_distances(piece.corners, target);
+    if (settle(distances.largest, result)) return true;
+    if (piece.steps >= k_most_walk) return false;
+    const Overhang overhang = find_overhang(piece.corners, target);
+    if (overhang.side < 0) return false;
+    const Index neighbour = across_[3 * piece.near + static_cast<Index>(overhang.side)];
+    if (neighbour == k_no_index) return false;
+    // A part that isn't near enough either needn't be cut off.
+    if (overhang.cuts && distances.least <= enough(result)) {
+      push_halves(piece, overhang.heights, piece.near, neighbour);
+    } else {
+      pieces_.push_back({piece.corners, neighbour, piece.steps + 1});
+    }
+    return true;
+  }
+
+  /// Finds the triangle nearest to the middle, and cuts the piece when that isn't near enough.
+  void look_up(const Piece& piece, Interval& result, bool give_up) {
+    const Triangle& t = piece.corners;
+    const Vec3 centroid = (t.a + t.b + t.c) / 3;
+    const auto nearest = to_.tree.closest(centroid, piece.near);
+    const double at_centroid = std::sqrt(nearest.squared_distance);
+    result.lower = std::max(result.lower, at_centroid);
+    const Triangle target = to_.triangle(nearest.triangle);
+    const double radius = std::sqrt(std::max(
+        {(t.a - centroid).squaredNorm(), (t.b - centroid).squaredNorm(), (t.c - centroid).squaredNorm()}));
+    const double bound = std::min(at_centroid + radius, corner_distances(t, target).largest);
+    if (settle(bound, result)) return;
+    if (give_up) {
+      result.upper = std::max(result.upper, bound);
+      return;
+    }
+    const Overhang overhang = find_overhang(t, target);
+    if (!overhang.cuts || piece.steps >= k_most_steps) return cut_in_four(piece, nearest.triangle);
+    const Index neighbour = across_[3 * nearest.triangle + static_cast<Index>(overhang.side)];
+    push_halves(piece, overhang.heights, nearest.triangle,
+                neighbour == k_no_index ? nearest.triangle : neighbour);
+  }
+
+  /// Looks at the planes through the sides of `target`, upright on it. Nothing when the piece is so much larger
+  /// than `target` that halving its sides is better.
+  Overhang find_overhang(const Triangle& piece, const Triangle& target) const {
+    constexpr double k_much_larger = 4;
+    Overhang result;
+    if (longest_side(piece) > k_much_larger * longest_side(target)) return result;
+    const std::array<Vec3, 3> ends{target.a, target.b, target.c};
+    const std::array<Vec3, 3> corners{piece.a, piece.b, piece.c};
+    const Vec3 normal = (target.b - target.a).cross(target.c - target.a);
+    // A part thinner than the floor changes no bound that matters.
+    const double thin = 0.1 * goal_.floor;
+    double farthest = thin;
+    for (std::size_t s = 0; s < 3; ++s) {
+      const Vec3 outward = (ends[(s + 1) % 3] - ends[s]).cross(normal);
+      const double length = outward.norm();
+      if (!(length > 0)) return {};
+      std::array<double, 3> h{};
+      for (std::size_t i = 0; i < 3; ++i) h[i] = (corners[i] - ends[s]).dot(outward) / length;
+      const auto [least, most] = std::minmax({h[0], h[1], h[2]});
+      const bool cuts = least < -thin;
+      // Where some side cuts, the others can wait.
+      if (most <= thin || (result.cuts && !cuts)) continue;
+      if (most <= farthest && cuts == result.cuts) continue;
+      farthest = most;
+      result = {static_cast<int>(s), cuts, h};
+    }
+    return result;
+  }
+
+  /// The parts of a triangle below and above height 0, as triangles.
+  void push_halves(const Piece& piece, const std::array<double, 3>& heights, Index near_below, Index near_above) {
+    const std::array<Vec3, 3> corners{piece.corners.a, piece.corners.b, piece.corners.c};
+    for (const double sign : {1.0, -1.0}) {
+      std::array<Vec3, 4> part;
+      std::size_t n = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t j = (i + 1) % 3;
+        const double hi = sign * heights[i], hj = sign * heights[j];
+        if (hi >= 0) part[n++] = corners[i];
+        // Always from the lower corner to the upper one, so that both parts get the same point.
+        if ((hi < 0) != (hj < 0) && hi != 0 && hj != 0) {
+          const auto [low, high] = heights[i] < heights[j] ? std::pair{i, j} : std::pair{j, i};
+          const double share = heights[low] / (heights[low] - heights[high]);
+          part[n++] = corners[low] + share * (corners[high] - corners[low]);
+        }
+      }
+      const Index near = sign > 0 ? near_above : near_below;
+      const int steps = piece.steps + (sign > 0 ? 1 : 0);
+      if (n >= 3) pieces_.push_back({{part[0], part[1], part[2]}, near, steps});
+      if (n == 4) pieces_.push_back({{part[0], part[2], part[3]}, near, steps});
+    }
+  }
+
+  void cut_in_four(const Piece& piece, Index near) {
+    const Triangle& t = piece.corners;
+    const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);
+    pieces_.push_back({{t.a, ab, ca}, near, 0});
+    pieces_.push_back({{ab, t.b, bc}, near, 0});
+    pieces_.push_back({{ca, bc, t.c}, near, 0});
+    pieces_.push_back({{ab, bc, ca}, near, 0});
+  }
+
+  const Surface& to_;
+  const std::vector<Index>& across_;
+  BoundGoal goal_;
+  std::size_t most_work_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace
+
+/// Every triangle starts from the same lower bound and not from its neighbours' results: the interval is then
+/// the same for any number of threads.
+Interval certified_interval(const Surface& from, const Surface& to, const std::vector<Index>& nearest,
+                            const BoundGoal& goal) {
+  const std::vector<Index> across = triangles_across(to);
+  std::vector<Interval> intervals(from.n_triangles());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.n_triangles(), 64), [&](const auto& range) {
+    BoundSearch search(to, across, goal, from.n_triangles());
+    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+      const Index* const corners = from.triangles.data() + 3 * t;
+      intervals[t] =
+          search.run(from.triangle(t), {nearest[corners[0]], nearest[corners[1]], nearest[corners[2]]});
+    }
+  });
+  Interval result{goal.lower, 0};
+  for (const Interval& interval : intervals) {
+    result.lower = std::max(result.lower, interval.lower);
+    result.upper = std::max(result.upper, interval.upper);
+  }
+  return result;
+}
+
+}  // namespace recede::detail

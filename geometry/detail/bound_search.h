@@ -1,0 +1,40 @@
+// The certified interval of the one-sided maximum distance between two surfaces.
+#pragma once
+
+#include <recede/geometry/closest_point.h>
+
+namespace recede::detail {
+
+/// A surface as triangles over the vertices that they use, with its search tree.
+struct Surface {
+  explicit Surface(PolygonSoup soup);
+
+  std::size_t n_triangles() const { return triangles.size() / 3; }
+  Triangle triangle(std::size_t t) const {
+    return {positions[triangles[3 * t]], positions[triangles[3 * t + 1]], positions[triangles[3 * t + 2]]};
+  }
+
+  std::vector<Vec3> positions;
+  std::vector<Index> triangles;  ///< three positions each
+  ClosestPointTree tree;
+  std::vector<double> areas;
+  double area = 0;
+};
+
+struct Interval {
+  double lower = 0, upper = 0;
+};
+
+/// How narrow the interval has to be.
+struct BoundGoal {
+  double lower = 0;      ///< a distance known to occur
+  double tolerance = 0;  ///< upper - lower <= tolerance * upper is enough
+  double floor = 0;      ///< and so is an upper end of this
+};
+
+/// An interval that holds the largest distance from a point of `from` to the surface `to`. `nearest` names for
+/// each position of `from` a triangle of `to` near it. The same for any number of threads.
+Interval certified_interval(const Surface& from, const Surface& to, const std::vector<Index>& nearest,
+                            const BoundGoal& goal);
+
+}  // namespace recede::detail
