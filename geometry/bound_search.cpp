@@ -41,8 +41,8 @@ Surface::Surface(PolygonSoup soup)
 
 namespace {
 
-/// For each side of each triangle (from corner s to the next) the triangle across it; k_no_index at borders and
-/// where more than two meet.
+/// For each side of each triangle (from corner s to the next) the triangle across it; k_no_index at borders
+/// and where more than two meet.
 std::vector<Index> triangles_across(const Surface& surface) {
   const std::vector<Index>& corners = surface.triangles;
   const auto next = [](Index side) { return side % 3 == 2 ? side - 2 : side + 1; };
@@ -55,22 +55,24 @@ std::vector<Index> triangles_across(const Surface& surface) {
   std::vector<Index> sides(corners.size()), end(start.begin(), start.end() - 1);
   for (Index side = 0; side < corners.size(); ++side) sides[end[lower_end(side)]++] = side;
   std::vector<Index> across(corners.size(), k_no_index);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.positions.size(), 4096), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      const auto first = sides.begin() + start[v], last = sides.begin() + start[v + 1];
-      std::sort(first, last, [&](Index x, Index y) {
-        return std::pair(upper_end(x), x) < std::pair(upper_end(y), y);
-      });
-      for (auto at = first; at != last;) {
-        const auto after = std::find_if(at, last, [&](Index s) { return upper_end(s) != upper_end(*at); });
-        if (after - at == 2) {
-          across[at[0]] = at[1] / 3;
-          across[at[1]] = at[0] / 3;
-        }
-        at = after;
-      }
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.positions.size(), 4096),
+                    [&](const auto& range) {
+                      for (std::size_t v = range.begin(); v < range.end(); ++v) {
+                        const auto first = sides.begin() + start[v], last = sides.begin() + start[v + 1];
+                        std::sort(first, last, [&](Index x, Index y) {
+                          return std::pair(upper_end(x), x) < std::pair(upper_end(y), y);
+                        });
+                        for (auto at = first; at != last;) {
+                          const auto after =
+                              std::find_if(at, last, [&](Index s) { return upper_end(s) != upper_end(*at); });
+                          if (after - at == 2) {
+                            across[at[0]] = at[1] / 3;
+                            across[at[1]] = at[0] / 3;
+                          }
+                          at = after;
+                        }
+                      }
+                    });
   return across;
 }
 
@@ -101,23 +103,27 @@ CornerDistances corner_distances(const Triangle& t, const Triangle& target) {
 /// triangles, walking from neighbour to neighbour), else into four.
 class BoundSearch {
  public:
-  /// `n_triangles`: how many share the work.
-  BoundSearch(const Surface& to, const std::vector<Index>& across, const BoundGoal& goal,
-              std::size_t n_triangles)
-      : to_(to), across_(across), goal_(goal), most_work_(std::max(k_most_work / n_triangles, k_least_share)) {}
+  BoundSearch(const Surface& to, const std::vector<Index>& across, const BoundGoal& goal)
+      : to_(to), across_(across), goal_(goal) {}
 
-  /// Interval over one triangle; `lower` is at least that of the goal. `near` are triangles of the other surface.
-  Interval run(const Triangle& triangle, const std::array<Index, 3>& near) {
-    Interval result{goal_.lower, 0};
+  /// Interval over one triangle; `lower` is at least that of the goal. `near` are triangles of the other
+  /// surface. After `most_work` (in steps to a neighbour) the pieces keep the bound that they have: the
+  /// interval stays true, only wider than asked, and `gave_up` says so.
+  Interval run(const Triangle& triangle, const std::array<Index, 3>& near, std::size_t most_work,
+               bool& gave_up) {
+    gave_up = false;
+    Interval result{goal_.lower, 0, triangle.a};
     for (const Index hint : near) {
-      if (settle(corner_distances(triangle, to_.triangle(hint)).largest, result)) return result;
+      if (settle(corner_distances(triangle, to_.triangle(hint)).largest, triangle.a, result)) return result;
     }
     pieces_.clear();
     pieces_.push_back({triangle, near[0], 0});
-    for (std::size_t work = 0; !pieces_.empty();) {
-      const Piece piece = pieces_.back();
-      pieces_.pop_back();
-      const bool give_up = work > most_work_;
+    // First come, first served: if the work runs out, what is left is small.
+    std::size_t work = 0;
+    for (std::size_t next = 0; next < pieces_.size(); ++next) {
+      const Piece piece = pieces_[next];
+      const bool give_up = work > most_work;
+      gave_up = gave_up || give_up;
       if (give_up || !walk(piece, result)) {
         look_up(piece, result, give_up);
         work += k_look_up_work;
@@ -129,14 +135,10 @@ class BoundSearch {
   }
 
  private:
-  // Past its share of this, a triangle's pieces keep the bound that they have: the interval stays true, only
-  // wider than asked. Surfaces made of slivers would otherwise be cut for hours. In steps to a neighbour; a
-  // look-up takes as long as some ten.
+  /// A look-up takes as long as some ten steps.
   static constexpr std::size_t k_look_up_work = 10;
-  static constexpr std::size_t k_most_work = 200'000'000;
-  static constexpr std::size_t k_least_share = 10'000;
-  /// Steps from neighbour to neighbour, after which the nearest triangle is looked up, and after which a piece is
-  /// cut in four: on folded surfaces prisms may cut for ever.
+  /// Steps from neighbour to neighbour, after which the nearest triangle is looked up, and after which a
+  /// piece is cut in four: on folded surfaces prisms may cut for ever.
   static constexpr int k_most_walk = 12, k_most_steps = 16;
 
   struct Piece {
@@ -156,18 +158,24 @@ class BoundSearch {
   }
 
   /// True when this bound is good enough.
-  bool settle(double bound, Interval& result) const {
+  bool settle(double bound, const Vec3& at, Interval& result) const {
     if (bound > enough(result)) return false;
-    result.upper = std::max(result.upper, bound);
+    accept(bound, at, result);
     return true;
   }
 
-  /// Settles the piece by the triangle that it names, or hands it on, cut or whole, to a neighbour. False when it
-  /// takes a look-up.
+  static void accept(double bound, const Vec3& at, Interval& result) {
+    if (bound <= result.upper) return;
+    result.upper = bound;
+    result.at = at;
+  }
+
+  /// Settles the piece by the triangle that it names, or hands it on, cut or whole, to a neighbour. False
+  /// when it takes a look-up.
   bool walk(const Piece& piece, Interval& result) {
     const Triangle target = to_.triangle(piece.near);
     const CornerDistances distances = corner_distances(piece.corners, target);
-    if (settle(distances.largest, result)) return true;
+    if (settle(distances.largest, piece.corners.a, result)) return true;
     if (piece.steps >= k_most_walk) return false;
     const Overhang overhang = find_overhang(piece.corners, target);
     if (overhang.side < 0) return false;
@@ -193,11 +201,8 @@ class BoundSearch {
     const double radius = std::sqrt(std::max(
         {(t.a - centroid).squaredNorm(), (t.b - centroid).squaredNorm(), (t.c - centroid).squaredNorm()}));
     const double bound = std::min(at_centroid + radius, corner_distances(t, target).largest);
-    if (settle(bound, result)) return;
-    if (give_up) {
-      result.upper = std::max(result.upper, bound);
-      return;
-    }
+    if (settle(bound, centroid, result)) return;
+    if (give_up) return accept(bound, centroid, result);
     const Overhang overhang = find_overhang(t, target);
     if (!overhang.cuts || piece.steps >= k_most_steps) return cut_in_four(piece, nearest.triangle);
     const Index neighbour = across_[3 * nearest.triangle + static_cast<Index>(overhang.side)];
@@ -205,8 +210,8 @@ class BoundSearch {
                 neighbour == k_no_index ? nearest.triangle : neighbour);
   }
 
-  /// Looks at the planes through the sides of `target`, upright on it. Nothing when the piece is so much larger
-  /// than `target` that halving its sides is better.
+  /// Looks at the planes through the sides of `target`, upright on it. Nothing when the piece is so much
+  /// larger than `target` that halving its sides is better.
   Overhang find_overhang(const Triangle& piece, const Triangle& target) const {
     constexpr double k_much_larger = 4;
     Overhang result;
@@ -235,7 +240,8 @@ class BoundSearch {
   }
 
   /// The parts of a triangle below and above height 0, as triangles.
-  void push_halves(const Piece& piece, const std::array<double, 3>& heights, Index near_below, Index near_above) {
+  void push_halves(const Piece& piece, const std::array<double, 3>& heights, Index near_below,
+                   Index near_above) {
     const std::array<Vec3, 3> corners{piece.corners.a, piece.corners.b, piece.corners.c};
     for (const double sign : {1.0, -1.0}) {
       std::array<Vec3, 4> part;
@@ -270,32 +276,45 @@ class BoundSearch {
   const Surface& to_;
   const std::vector<Index>& across_;
   BoundGoal goal_;
-  std::size_t most_work_;
   std::vector<Piece> pieces_;
 };
 
 }  // namespace
 
-/// Every triangle starts from the same lower bound and not from its neighbours' results: the interval is then
-/// the same for any number of threads.
-Interval certified_interval(const Surface& from, const Surface& to, const std::vector<Index>& nearest,
-                            const BoundGoal& goal) {
+/// Every triangle starts from the same lower bound and not from its neighbours' results: the intervals are
+/// then the same for any number of threads.
+std::vector<Interval> certified_intervals(const Surface& from, const Surface& to,
+                                          const std::vector<Index>& nearest, const BoundGoal& goal) {
+  // Nearly all triangles are done after a few steps. Surfaces made of slivers would be cut for hours; the few
+  // hard triangles of other surfaces share what is left of the time.
+  constexpr std::size_t k_first_work = 2000, k_most_work = 50'000'000;
   const std::vector<Index> across = triangles_across(to);
   std::vector<Interval> intervals(from.n_triangles());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.n_triangles(), 64), [&](const auto& range) {
-    BoundSearch search(to, across, goal, from.n_triangles());
-    for (std::size_t t = range.begin(); t < range.end(); ++t) {
-      const Index* const corners = from.triangles.data() + 3 * t;
-      intervals[t] =
-          search.run(from.triangle(t), {nearest[corners[0]], nearest[corners[1]], nearest[corners[2]]});
-    }
-  });
-  Interval result{goal.lower, 0};
-  for (const Interval& interval : intervals) {
-    result.lower = std::max(result.lower, interval.lower);
-    result.upper = std::max(result.upper, interval.upper);
+  std::vector<unsigned char> gave_up(from.n_triangles());
+  const auto run = [&](std::size_t n, std::size_t work, auto&& triangle_at) {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, n, work > k_first_work ? 1 : 64), [&](const auto& range) {
+          BoundSearch search(to, across, goal);
+          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const std::size_t t = triangle_at(i);
+            const Index* const corners = from.triangles.data() + 3 * t;
+            bool wide = false;
+            intervals[t] =
+                search.run(from.triangle(t), {nearest[corners[0]], nearest[corners[1]], nearest[corners[2]]},
+                           work, wide);
+            gave_up[t] = wide ? 1 : 0;
+          }
+        });
+  };
+  run(from.n_triangles(), k_first_work, [](std::size_t i) { return i; });
+  std::vector<std::size_t> hard;
+  for (std::size_t t = 0; t < gave_up.size(); ++t) {
+    if (gave_up[t] != 0) hard.push_back(t);
   }
-  return result;
+  if (hard.empty()) return intervals;
+  const std::size_t share = k_most_work / hard.size();
+  if (share > k_first_work) run(hard.size(), share, [&](std::size_t i) { return hard[i]; });
+  return intervals;
 }
 
 }  // namespace recede::detail

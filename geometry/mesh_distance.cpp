@@ -117,9 +117,7 @@ struct Frame {
 
   double inside(double length) const { return std::ldexp(length, exponent); }
   double outside(double length) const { return std::ldexp(length, -exponent); }
-  Vec3 outside(const Vec3& p) const {
-    return center + Vec3(outside(p.x()), outside(p.y()), outside(p.z()));
-  }
+  Vec3 outside(const Vec3& p) const { return center + Vec3(outside(p.x()), outside(p.y()), outside(p.z())); }
   Surface inside(const PolygonSoup& soup) const {
     PolygonSoup moved;
     moved.face_offsets = soup.face_offsets;
@@ -162,20 +160,31 @@ MeshDistance measure_inside(const Surface& first, const Surface& second, const D
   }
   if (!options.bound_tolerance) return distance;
   report_progress(progress, "bound", 0);
-  const detail::BoundGoal goal{distance.max, *options.bound_tolerance, floor};
-  const Interval there = certified_interval(first, second, forward.nearest, goal);
+  const double limit = options.limit.value_or(0);
+  // With a limit, each triangle by itself is to be told apart from it.
+  const detail::BoundGoal goal{options.limit ? 0 : distance.max, *options.bound_tolerance,
+                               std::max(floor, limit)};
+  double bound = distance.max;
+  const auto take = [&](const std::vector<Interval>& intervals) {
+    for (const Interval& interval : intervals) {
+      distance.max_lower = std::max(distance.max_lower, interval.lower);
+      bound = std::max(bound, interval.upper);
+      if (options.limit && interval.upper > limit) distance.beyond.push_back(interval.at);
+    }
+  };
+  take(certified_intervals(first, second, forward.nearest, goal));
   report_progress(progress, "bound", 0.5);
-  const Interval back = certified_interval(second, first, backward.nearest, goal);
-  distance.max_lower = std::max(there.lower, back.lower);
-  distance.max_bound = std::max({there.upper, back.upper, distance.max_lower});
+  take(certified_intervals(second, first, backward.nearest, goal));
+  distance.max_bound = bound;
   report_progress(progress, "bound", 1);
   return distance;
 }
 
 MeshDistance measure_in_frame(const Frame& frame, const Surface& first, const Surface& second,
-                              double diagonal, double floor, const DistanceOptions& options,
-                              Progress* progress) {
+                              double diagonal, double floor, DistanceOptions options, Progress* progress) {
+  if (options.limit) options.limit = frame.inside(*options.limit);
   MeshDistance distance = measure_inside(first, second, options, frame.inside(floor), progress);
+  for (Vec3& place : distance.beyond) place = frame.outside(place);
   leave(frame, distance.forward);
   leave(frame, distance.backward);
   distance.max = frame.outside(distance.max);

@@ -16,7 +16,10 @@ struct DistanceOptions {
   /// Width of the certified interval relative to its upper end: `max_bound - max_lower <= tolerance *
   /// max_bound`. Wider, and still true, where that would take more than some twenty million steps: surfaces
   /// of slivers. Unset: no certified bound is computed.
-  std::optional<double> bound_tolerance;
+  std::optional<double> bound_tolerance{};
+  /// When set, with a bound: triangles whose certified distance may be larger are listed in `beyond`, object
+  /// units, and no time is spent on telling apart what is smaller.
+  std::optional<double> limit{};
   /// A certified bound never gets finer than this times the diagonal of both surfaces' box; below that,
   /// distances are noise of double precision.
   double relative_floor = 1e-12;
@@ -39,8 +42,10 @@ struct MeshDistance {
   /// surfaces lies in [max_lower, max_bound].
   std::optional<double> max_bound;
   double max_lower = 0;
-  double diagonal = 0;               ///< of the first surface's bounding box
-  std::size_t samples = 0;           ///< points evaluated on both surfaces together, vertices included
+  std::vector<Vec3>
+      beyond;               ///< a place on each triangle of either surface that may be farther than the limit
+  double diagonal = 0;      ///< of the first surface's bounding box
+  std::size_t samples = 0;  ///< points evaluated on both surfaces together, vertices included
   double samples_per_unit_area = 0;  ///< sampling density, vertices left out; points per square unit
 };
 

@@ -1,9 +1,12 @@
 // The link condition follows Dey, Edelsbrunner, Guha, Nekhayev 1999 in its form for polygons: the ends of the
 // edge share no neighbours but the third corners of triangles on it.
+#include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/collapse_rules.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 namespace recede::detail {
 namespace {
@@ -59,6 +62,7 @@ Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a, Inde
 EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second) {
   const PointClass a = table.classes[first], b = table.classes[second];
   EdgeFreedom freedom;
+  if (!table.held.empty() && (table.held[first] != 0 || table.held[second] != 0)) return freedom;
   if (a == PointClass::smooth && b == PointClass::smooth) return {true, true, true, true};
   if (a != PointClass::smooth && b != PointClass::smooth) {
     // Both on lines: only along a line, and only if one of them may move along it.
@@ -102,6 +106,34 @@ int polygon_loss(const CornerTable& table, Index first, Index second) {
   });
   if (others == 0) return 0;
   return triangles > 0 || row ? 1 : 2;
+}
+
+double local_deviation(const CornerTable& table, const EdgeRings& rings, const Collapse& collapse) {
+  // Polygons count by their ears at the ends.
+  const auto squared_distance = [&](const Vec3& from, bool after) {
+    double nearest = std::numeric_limits<double>::infinity();
+    const auto place = [&](Index p) {
+      const bool moves = after && (p == collapse.removed || p == collapse.kept);
+      return moves ? collapse.position : table.positions[p];
+    };
+    const auto look = [&](const std::vector<RingCorner>& ring, Index end) {
+      for (const RingCorner& c : ring) {
+        if (after && c.on_edge && c.size == 3) continue;
+        const Triangle ear{place(end), place(c.after), place(c.before)};
+        nearest = std::min(nearest, (closest_point_on_triangle(from, ear) - from).squaredNorm());
+      }
+    };
+    look(rings.removed, collapse.removed);
+    look(rings.kept, collapse.kept);
+    return nearest;
+  };
+  const double here = std::sqrt(squared_distance(collapse.position, false));
+  double deviation = 0;
+  for (const Index end : {collapse.removed, collapse.kept}) {
+    const double left = std::sqrt(squared_distance(table.positions[end], true));
+    deviation = std::max(deviation, static_cast<double>(table.deviation[end]) + std::max(left, here));
+  }
+  return deviation;
 }
 
 CollapseRules::CollapseRules(const CornerTable& table, double least_normal_cosine)

@@ -268,6 +268,7 @@ void pack(CornerTable& table) {
     keep(table.classes, stays);
     keep(table.deviation, stays);
     keep(table.source_vertex, stays);
+    if (!table.held.empty()) keep(table.held, stays);
     if (!table.colors.empty()) keep(table.colors, stays);
   };
   const auto pack_corners = [&] {

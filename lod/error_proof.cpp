@@ -1,8 +1,6 @@
 #include <recede/lod/detail/error_proof.h>
 
 #include <chrono>
-#include <cmath>
-#include <limits>
 
 namespace recede::detail {
 namespace {
@@ -21,72 +19,63 @@ ErrorProof::ErrorProof(const PolygonSoup& input) : input_(input) {
   if (!box.isEmpty()) diagonal_ = box.diagonal().norm();
 }
 
-std::optional<ErrorInterval> ErrorProof::prove(const PolygonSoup& simplified, Progress* progress) {
-  if (input_.n_faces() == 0 || simplified.n_faces() == 0) return std::nullopt;
+MeshDistance ErrorProof::measure(const PolygonSoup& simplified, std::optional<double> limit,
+                                 Progress* progress) {
   const auto start = Clock::now();
   if (!meter_) meter_.emplace(input_);
   // The vertices are samples enough to start from; what lies between them is bounded.
-  const MeshDistance distance =
-      meter_->to(simplified, {.samples = 0, .bound_tolerance = k_tolerance}, progress);
+  MeshDistance distance =
+      meter_->to(simplified, {.samples = 0, .bound_tolerance = k_tolerance, .limit = limit}, progress);
   seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+  return distance;
+}
+
+std::optional<ErrorInterval> ErrorProof::prove(const PolygonSoup& simplified, Progress* progress) {
+  if (input_.n_faces() == 0 || simplified.n_faces() == 0) return std::nullopt;
+  const MeshDistance distance = measure(simplified, std::nullopt, progress);
   return ErrorInterval{distance.max_lower, *distance.max_bound};
 }
 
-namespace {
-
-/// Guesses of the estimate at which the proved error meets its limit: each from how the last one came out, between
-/// the largest that kept the limit and the smallest that broke it.
-class EstimateSearch {
- public:
-  explicit EstimateSearch(double limit) : limit_(limit), guess_(k_first * limit) {}
-
-  double guess() const { return guess_; }
-  bool is_close() const { return close_ || above_ <= k_narrow * below_; }
-
-  /// `proved`: the error at the present guess. True when it keeps the limit.
-  bool learn(double proved) {
-    const bool kept = proved <= limit_;
-    (kept ? below_ : above_) = guess_;
-    close_ = kept && proved >= k_close * limit_;
-    double next = proved > 0 ? guess_ * k_aim * limit_ / proved : k_step * guess_;
-    if (!(next > below_ && next < above_)) {
-      next = std::isfinite(above_) ? 0.5 * (below_ + above_) : k_step * guess_;
-    }
-    guess_ = next;
-    return kept;
-  }
-
- private:
-  static constexpr double k_first = 0.7, k_aim = 0.95, k_step = 4;
-  /// Shares of the limit, and between the ends of the search, that are near enough.
-  static constexpr double k_close = 0.9, k_narrow = 1.05;
-  double limit_, guess_;
-  double below_ = 0, above_ = std::numeric_limits<double>::infinity();
-  bool close_ = false;
-};
-
-}  // namespace
+LimitCheck ErrorProof::check(const PolygonSoup& simplified, double limit, Progress* progress) {
+  if (input_.n_faces() == 0 || simplified.n_faces() == 0) return {};
+  MeshDistance distance = measure(simplified, limit, progress);
+  return {distance.max_lower, std::move(distance.beyond)};
+}
 
 StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
                                const std::vector<Vec3>& source_positions, ErrorProof& proof,
                                Progress* progress) {
-  constexpr int k_runs = 7;
+  constexpr int k_runs = 8, k_careful_runs = 3;  // the last runs aim lower each time, so that one succeeds
+  constexpr double k_close = 0.8;                // share of the limit that is near enough
+  constexpr double k_many = 0.02;  // share of the faces beyond the limit that is too many to hold
+  constexpr double k_raise = 1.5, k_lower = 0.5;
   const double scale = simplifier.table().scale;
-  EstimateSearch search(std::max(limits.error * scale, k_rounding * proof.diagonal()));
+  const double limit = std::max(limits.error * scale, k_rounding * proof.diagonal());
+  double estimate = limit;
+  StopReason reason = StopReason::error_target;
   Simplifier::State best = simplifier.state();
-  for (int run = 0; run < k_runs && !search.is_close(); ++run) {
+  for (int run = 0; run < k_runs; ++run) {
     Limits estimated = limits;
-    estimated.error = search.guess() / scale;
+    estimated.error = estimate / scale;
     const StopReason why = simplifier.run(estimated, progress);
-    const auto error = proof.prove(to_soup(simplifier.table(), source_positions), progress);
-    if (!search.learn(error ? error->upper : 0)) {
-      simplifier.restore(best);
+    const PolygonSoup reached = to_soup(simplifier.table(), source_positions);
+    const LimitCheck check = proof.check(reached, limit, progress);
+    if (check.beyond.empty()) {
+      best = simplifier.state();
+      reason = why;
+      if (why != StopReason::error_target || check.lower >= k_close * limit) break;
+      estimate *= k_raise;
       continue;
     }
-    best = simplifier.state();
-    if (why != StopReason::error_target) return why;
+    simplifier.restore(best);
+    const auto most = static_cast<std::size_t>(k_many * static_cast<double>(reached.n_faces()));
+    if (check.beyond.size() > most || run + k_careful_runs >= k_runs) estimate *= k_lower;
+    simplifier.hold(check.beyond);
+    best.table.held = simplifier.table().held;
   }
-  return StopReason::error_target;
+  simplifier.restore(best);
+  simplifier.release();
+  return reason;
 }
 
 }  // namespace recede::detail

@@ -8,7 +8,6 @@
 // number replaces k evaluations. What the source leaves open: borders, seams and non-manifold edges collapse
 // along themselves only, and there the direction of the line counts like a normal; the link condition and the
 // shape rules of all strategies apply.
-#include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/polygon_normal.h>
 #include <recede/lod/detail/rank_buckets.h>
 #include <recede/lod/detail/simplifier.h>
@@ -69,7 +68,6 @@ class NormalDeviationSimplifier final : public Simplifier {
   bool is_eligible(const Edge& edge) const;
   Index draw();
   bool commit(Index edge, const Limits& limits);
-  double local_deviation(const Collapse& collapse) const;
   void update_around(const std::vector<Index>& changed_faces);
 
   std::mt19937_64 random_;
@@ -258,33 +256,6 @@ Index NormalDeviationSimplifier::draw() {
   return ranked_->at_rank(std::min(static_cast<std::size_t>(share * n), ranked_->size() - 1));
 }
 
-/// Distance of the removed place (and of the left one, when the kept point moves) to the polygons around the
-/// new point.
-double NormalDeviationSimplifier::local_deviation(const Collapse& collapse) const {
-  double deviation = 0;
-  const auto from = [&](Index point) {
-    const Vec3& place = table_.positions[point];
-    double nearest = (place - collapse.position).squaredNorm();
-    const auto look = [&](const std::vector<RingCorner>& ring) {
-      for (const RingCorner& c : ring) {
-        if (c.on_edge && c.size == 3) continue;
-        const Index before = c.before, after = c.after;
-        const auto at = [&](Index q) {
-          return q == collapse.removed || q == collapse.kept ? collapse.position : table_.positions[q];
-        };
-        const Triangle ear{collapse.position, at(after), at(before)};
-        nearest = std::min(nearest, (closest_point_on_triangle(place, ear) - place).squaredNorm());
-      }
-    };
-    look(rings_.removed);
-    look(rings_.kept);
-    deviation = std::max(deviation, static_cast<double>(table_.deviation[point]) + std::sqrt(nearest));
-  };
-  from(collapse.removed);
-  from(collapse.kept);
-  return deviation;
-}
-
 bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
   const Collapse collapse = make_collapse(edges_[edge], costs_[edge].removes_first);
   rings_.gather(table_, collapse.removed, collapse.kept);
@@ -292,7 +263,7 @@ bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
     ++counts_.refused[*refused];
     return false;
   }
-  const double deviation = local_deviation(collapse);
+  const double deviation = local_deviation(table_, rings_, collapse);
   if (deviation > limits.error) {
     ++counts_.refused[Refusal::error];
     return false;

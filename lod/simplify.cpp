@@ -1,3 +1,4 @@
+#include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/error_proof.h>
 #include <recede/lod/detail/simplifier.h>
@@ -80,6 +81,30 @@ void Simplifier::count(const RunCounts& counts) {
   counts_.add(counts);
   table_.n_alive_faces -= counts.removed_faces;
   table_.n_alive_points -= counts.collapses;
+}
+
+void Simplifier::hold(const std::vector<Vec3>& places) {
+  std::vector<Index> ears;
+  for (Index f = 0; f < table_.n_faces(); ++f) {
+    if (!table_.is_face_alive(f)) continue;
+    const Index start = table_.face_corner(f);
+    for (Index c = table_.next(start); table_.next(c) != start; c = table_.next(c)) {
+      ears.insert(ears.end(), {table_.point[start], table_.point[c], table_.point_after(c)});
+    }
+  }
+  if (ears.empty()) return;
+  const std::vector<Vec3> positions(table_.positions.begin(), table_.positions.end());
+  const ClosestPointTree tree(positions, ears);
+  table_.held.resize(table_.n_points(), 0);
+  const auto hold_around = [&](Index p) {
+    table_.held[p] = 1;
+    table_.each_corner(p, [&](Index c) { table_.held[table_.point_after(c)] = 1; });
+  };
+  Index near = k_no_index;
+  for (const Vec3& place : places) {
+    near = tree.closest((place - table_.origin) / table_.scale, near).triangle;
+    for (Index i = 0; i < 3; ++i) hold_around(ears[3 * near + i]);
+  }
 }
 
 StopReason Simplifier::run(const Limits& limits, Progress* progress) {

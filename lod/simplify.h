@@ -45,8 +45,8 @@ enum class PolygonNormal {
 };
 
 /// When to stop. Several may be given; the first that is reached stops. None: simplify as far as the cost
-/// permits (`normal_deviation`) or as the mesh allows (`volume`). Errors are the two-sided distance to the input,
-/// proved unless `SimplifyOptions::prove_error` is off.
+/// permits (`normal_deviation`) or as the mesh allows (`volume`). Errors are the two-sided distance to the
+/// input, proved unless `SimplifyOptions::prove_error` is off.
 struct SimplifyTarget {
   std::optional<std::size_t> faces{};     ///< at most this many faces
   std::optional<std::size_t> vertices{};  ///< at most this many vertices
@@ -61,8 +61,9 @@ struct SimplifyOptions {
   CostPolicy cost = CostPolicy::volume;
   VertexPlacement placement = VertexPlacement::automatic;
 
-  /// Prove how far the result is from the input (`error_bound`), and keep error targets by that proof; targets
-  /// then take several runs. Off: `error_estimate` is all that is known, and error targets are compared with it.
+  /// Prove how far the result is from the input (`error_bound`), and keep error targets by that proof;
+  /// targets then take several runs. Off: `error_estimate` is all that is known, and error targets are
+  /// compared with it.
   bool prove_error = true;
 
   /// Leave every border vertex where it is, instead of collapsing borders along themselves.

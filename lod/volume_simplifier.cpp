@@ -155,6 +155,7 @@ void VolumeSimplifier::start_pass() {
 }
 
 float VolumeSimplifier::rank_edge(Workbench& bench, Index p, Index q) const {
+  if (!table_.held.empty() && (table_.held[p] != 0 || table_.held[q] != 0)) return -1;
   if (table_.classes[p] == PointClass::smooth && table_.classes[q] == PointClass::smooth) {
     return rank_smooth_edge(table_.positions[p], table_.positions[q], matrices_[p], matrices_[q], rank_scale_,
                             options_.placement);
@@ -221,13 +222,17 @@ VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit
   const double most = std::max(static_cast<double>(limit), k_grown * static_cast<double>(cost_of(candidate)));
   if (plan.cost * std::pow(rank_scale_, 6) > most) return Try::refused;
   const Collapse& collapse = plan.collapse;
-  const double deviation =
+  if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
+  double deviation =
       plan.deviation + static_cast<double>(std::max(table_.deviation[first], table_.deviation[second]));
+  // With a limit it pays to look closer.
+  if (std::isfinite(error)) {
+    deviation = std::max(deviation, local_deviation(table_, bench.rings, collapse));
+  }
   if (deviation > error) {
     ++counts.refused[Refusal::error];
     return Try::refused;
   }
-  if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
   if (const auto refused = bench.rules.refusal(bench.rings, collapse)) {
     ++counts.refused[*refused];
     return Try::refused;

@@ -23,6 +23,7 @@ struct Surface {
 
 struct Interval {
   double lower = 0, upper = 0;
+  Vec3 at = Vec3::Zero();  ///< where the upper end comes from
 };
 
 /// How narrow the interval has to be.
@@ -32,9 +33,10 @@ struct BoundGoal {
   double floor = 0;      ///< and so is an upper end of this
 };
 
-/// An interval that holds the largest distance from a point of `from` to the surface `to`. `nearest` names for
-/// each position of `from` a triangle of `to` near it. The same for any number of threads.
-Interval certified_interval(const Surface& from, const Surface& to, const std::vector<Index>& nearest,
-                            const BoundGoal& goal);
+/// For each triangle of `from` an interval that holds the largest distance from a point of it to the surface
+/// `to`; the lower ends are at least the goal's. `nearest` names for each position of `from` a triangle of
+/// `to` near it. The same for any number of threads.
+std::vector<Interval> certified_intervals(const Surface& from, const Surface& to,
+                                          const std::vector<Index>& nearest, const BoundGoal& goal);
 
 }  // namespace recede::detail

@@ -43,6 +43,11 @@ EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second);
 /// two collapses together take a whole row of quads out; 2 when only larger polygons are shortened.
 int polygon_loss(const CornerTable& table, Index first, Index second);
 
+/// How far the collapse may take the surface from the input near the new point: the distance between the
+/// places that the ends leave and the polygons that come, and between the new place and the polygons that go,
+/// on top of what either end already stood off. `rings` are those of the edge.
+double local_deviation(const CornerTable& table, const EdgeRings& rings, const Collapse& collapse);
+
 /// Tests collapses on one table. Keeps lists between tests, so that no memory is allocated: one object per
 /// thread.
 class CollapseRules {

@@ -41,6 +41,7 @@ struct CornerTable {
   LargeList<Vec3> positions;  ///< in the unit box; see `origin` and `scale`
   LargeList<PointClass> classes;
   LargeList<float> deviation;      ///< how far removed points near it may stand off, in table units
+  LargeList<unsigned char> held;   ///< 1: edges at the point stay; empty: all may go
   LargeList<Vec4> colors;          ///< empty: none
   LargeList<Index> source_vertex;  ///< in the input
   LargeList<Index> ring_start;     ///< one more than points: where the point's corners begin in `ring`

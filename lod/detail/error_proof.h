@@ -13,6 +13,12 @@ struct ErrorInterval {
   double lower = 0, upper = 0;
 };
 
+/// Whether an error limit is kept.
+struct LimitCheck {
+  double lower = 0;          ///< a distance that occurs, object units
+  std::vector<Vec3> beyond;  ///< places that may be farther than the limit; none: it is proved
+};
+
 /// Proves errors against one input, and counts what that costs.
 class ErrorProof {
  public:
@@ -22,17 +28,22 @@ class ErrorProof {
   /// Nothing when either surface has no faces.
   std::optional<ErrorInterval> prove(const PolygonSoup& simplified, Progress* progress);
 
+  LimitCheck check(const PolygonSoup& simplified, double limit, Progress* progress);
+
   double diagonal() const { return diagonal_; }
   double seconds() const { return seconds_; }
 
  private:
+  MeshDistance measure(const PolygonSoup& simplified, std::optional<double> limit, Progress* progress);
+
   const PolygonSoup& input_;
   std::optional<DistanceMeter> meter_;  // built with the first proof
   double diagonal_ = 0, seconds_ = 0;
 };
 
-/// Simplifies as far as the proved error keeps `limits.error`, here the true two-sided distance in table units:
-/// a few runs, each stopping at an estimate, that come closer to the limit. The last that kept it is restored.
+/// Simplifies as far as the proved error keeps `limits.error`, here the true two-sided distance in table
+/// units: a few runs that stop at an estimate. Where one went beyond the limit, the next holds the surface;
+/// when that is in many places, it stops earlier. The last run that kept the limit is restored.
 StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
                                const std::vector<Vec3>& source_positions, ErrorProof& proof,
                                Progress* progress);

@@ -50,6 +50,10 @@ class Simplifier {
     counts_ = state.counts;
   }
 
+  /// Keeps the edges around these places, object units, from being collapsed.
+  void hold(const std::vector<Vec3>& places);
+  void release() { table_.held.clear(); }
+
  protected:
   /// One pass or sweep under `limits`. Returns how many collapses it made.
   virtual std::size_t pass(const Limits& limits, Progress* progress) = 0;
