@@ -59,18 +59,20 @@ Outcome time_runs(const System& system, const PolygonSoup& soup, const SimplifyT
   forget_peak();
   const auto start = std::chrono::steady_clock::now();
   Outcome first;
-  std::vector<double> setup, seconds, cpu;
+  std::vector<double> setup, seconds, cpu, proof;
   while (seconds.empty() || (seconds.size() < repeats && seconds_since(start) < k_repeat_seconds)) {
     Outcome outcome = system.run(soup, target);
     setup.push_back(outcome.setup_seconds);
     seconds.push_back(outcome.seconds);
     cpu.push_back(outcome.cpu_seconds);
+    proof.push_back(outcome.proof_seconds);
     if (seconds.size() == 1) first = std::move(outcome);
   }
   figures.runs = seconds.size();
   figures.setup_seconds = median(setup);
   figures.seconds = median(seconds);
   figures.cpu_seconds = median(cpu);
+  figures.proof_seconds = median(proof);
   figures.peak_bytes = excess(first.peak_bytes, resident_before);
   figures.call_peak_bytes = first.call_peak_bytes;
   return first;

@@ -25,13 +25,13 @@ struct Model {
 struct Figures {
   std::size_t faces = 0, vertices = 0;
   std::size_t runs = 0;
-  double setup_seconds = 0, seconds = 0, cpu_seconds = 0;  ///< medians over the runs
+  double setup_seconds = 0, seconds = 0, cpu_seconds = 0, proof_seconds = 0;  ///< medians over the runs
   /// Highest resident memory of the first run: conversion and call above the input's arrays, and the call
   /// alone above what was resident when it began.
   std::size_t peak_bytes = 0, call_peak_bytes = 0;
   bool with_errors = false;    ///< otherwise it was only timed, and all below but the quads is 0
   double max = 0, rms = 0;     ///< sampled, two-sided
-  double bound = 0;            ///< certified: the two-sided maximum is no larger
+  double bound = 0;            ///< certified by the bench: the two-sided maximum is no larger
   double reported = 0;         ///< by the system itself; 0: nothing
   SurfaceDefects new_defects;  ///< those that the input didn't have
   double quad_share = 0;

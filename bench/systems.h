@@ -18,6 +18,7 @@ struct Outcome {
   double setup_seconds = 0;         ///< from the soup to the system's mesh
   double seconds = 0;               ///< wall clock of the call
   double cpu_seconds = 0;           ///< of the call, all threads together
+  double proof_seconds = 0;         ///< wall clock of proving the error; 0: the system proves nothing
   double reported_error = 0;        ///< what the system says it did, object units; 0: it says nothing
   std::size_t peak_bytes = 0;       ///< resident memory at its highest, conversion and call
   std::size_t call_peak_bytes = 0;  ///< the same of the call alone, above what was resident before it

@@ -32,10 +32,10 @@ constexpr double k_grown = 1.5;
 /// Cosine between a polygon's normals before and after one collapse.
 constexpr double k_least_normal_cosine = 0.2;
 /// Factor on the cost for each step of `polygon_loss`.
-constexpr float k_polygon_loss = 8;
+constexpr float k_polygon_loss = 40;
 /// Points of one patch.
 constexpr std::size_t k_least_patch = 1024, k_largest_patch = 16384;
-constexpr std::size_t k_patches = 16;
+constexpr std::size_t k_patches = 8;
 
 /// An edge and its cost in one number: costs are positive floats, whose bits are ordered as they are. The
 /// edge is named by the corner where one of its sides begins, so that no two are equal.
@@ -119,9 +119,9 @@ class VolumeSimplifier final : public Simplifier {
   void rank(Patch& patch);
   void rank_point(Patch& patch, Workbench& bench, Index p, std::vector<Index>& seen);
   float rank_edge(Workbench& bench, Index p, Index q) const;
-  template <typename Work>
-  void each_patch(Work&& work);
   void collapse_inside(Patch& patch, float limit, double error);
+  std::vector<Candidate> collapse_inside_all(std::vector<Patch>& patches, float limit, double error);
+  void shift_patches(const std::vector<Candidate>& candidates);
   std::size_t collapse_in_order(std::vector<Candidate>& candidates, float limit, const Limits& limits);
   Try attempt(Candidate candidate, float limit, double error, Workbench& bench, const Patch* within,
               RunCounts& counts);
@@ -130,14 +130,14 @@ class VolumeSimplifier final : public Simplifier {
 
   LargeList<PointMatrix> matrices_;   // by point
   LargeList<unsigned char> touched_;  // by point: an end of a collapse of this pass
-  std::vector<Patch> patches_;
+  std::vector<Patch> patches_, shifted_;
   double rank_scale_ = 1;
   std::size_t refused_ = 0;  // edges that the last pass refused
 };
 
 template <typename Work>
-void VolumeSimplifier::each_patch(Work&& work) {
-  tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t i) { work(patches_[i]); });
+void each_patch(std::vector<Patch>& patches, Work&& work) {
+  tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t i) { work(patches[i]); });
 }
 
 void VolumeSimplifier::start_pass() {
@@ -256,6 +256,37 @@ void VolumeSimplifier::collapse_inside(Patch& patch, float limit, double error) 
   }
 }
 
+/// Collapses in all patches at once. Returns the edges that reach over rims.
+std::vector<Candidate> VolumeSimplifier::collapse_inside_all(std::vector<Patch>& patches, float limit,
+                                                             double error) {
+  each_patch(patches, [&](Patch& patch) { collapse_inside(patch, limit, error); });
+  std::vector<Candidate> across;
+  for (const Patch& patch : patches) {
+    refused_ += patch.refused;
+    count(patch.counts);
+    across.insert(across.end(), patch.across.begin(), patch.across.end());
+  }
+  return across;
+}
+
+/// Patches that begin in the middles of the first ones, with these edges.
+void VolumeSimplifier::shift_patches(const std::vector<Candidate>& candidates) {
+  const Index half = patches_.front().last / 2;
+  shifted_.resize(patches_.size() + 1);
+  for (std::size_t i = 0; i < shifted_.size(); ++i) {
+    shifted_[i].start(i == 0 ? 0 : patches_[i - 1].first + half,
+                      i < patches_.size() ? patches_[i].first + half : patches_.back().last);
+  }
+  shifted_.back().last = std::max(shifted_.back().first, shifted_.back().last);
+  for (const Candidate candidate : candidates) {
+    if (!table_.is_alive(corner_of(candidate))) continue;
+    const Index p = table_.point[corner_of(candidate)];
+    const auto after = std::upper_bound(shifted_.begin(), shifted_.end(), p,
+                                        [](Index point, const Patch& patch) { return point < patch.first; });
+    std::prev(after)->candidates.push_back(candidate);
+  }
+}
+
 /// Collapses over the whole table until a limit. Returns how many.
 std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidates, float limit,
                                                 const Limits& limits) {
@@ -295,10 +326,10 @@ std::vector<Candidate> VolumeSimplifier::take_all_below(float limit) {
 std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   ++counts_.passes;
   start_pass();
-  each_patch([&](Patch& patch) {
+  each_patch(patches_, [&](Patch& patch) {
     for (Index p = patch.first; p < patch.last; ++p) matrices_[p] = point_matrix(table_, p, rank_scale_);
   });
-  each_patch([&](Patch& patch) { rank(patch); });
+  each_patch(patches_, [&](Patch& patch) { rank(patch); });
   CostHistogram histogram;
   std::size_t n_candidates = 0;
   for (Patch& patch : patches_) {
@@ -313,18 +344,16 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   const auto points = static_cast<double>(table_.n_alive_points);
   // Edges that the last pass refused are likely to be refused again and don't count towards the goal.
   const std::size_t tolerated = std::exchange(refused_, 0);
+  const std::size_t collapses_before = counts_.collapses;
   std::size_t done = 0, goal = 1 + tolerated;
   if (static_cast<double>(left) > k_last_share * points) {
     goal += std::min(left, static_cast<std::size_t>(k_pass_share * points));
     const float limit = histogram.limit(goal, false);
-    each_patch([&](Patch& patch) { collapse_inside(patch, limit, limits.error); });
-    std::vector<Candidate> across;
-    for (const Patch& patch : patches_) {
-      done += patch.counts.collapses;
-      refused_ += patch.refused;
-      count(patch.counts);
-      across.insert(across.end(), patch.across.begin(), patch.across.end());
-    }
+    std::vector<Candidate> across = collapse_inside_all(patches_, limit, limits.error);
+    // The rims of the patches lie inside of patches that are shifted by half of one.
+    shift_patches(across);
+    across = collapse_inside_all(shifted_, limit, limits.error);
+    done = counts_.collapses - collapses_before;
     done += collapse_in_order(across, limit, limits);
   } else {
     goal += static_cast<std::size_t>(k_last_reach * static_cast<double>(left));
