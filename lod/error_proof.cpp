@@ -42,9 +42,9 @@ LimitCheck ErrorProof::check(const PolygonSoup& simplified, double limit, Progre
   return {distance.max_lower, std::move(distance.beyond)};
 }
 
-StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
-                               const std::vector<Vec3>& source_positions, ErrorProof& proof,
-                               Progress* progress) {
+ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
+                              const std::vector<Vec3>& source_positions, ErrorProof& proof,
+                              Progress* progress) {
   constexpr int k_runs = 8, k_careful_runs = 3;  // the last runs aim lower each time, so that one succeeds
   constexpr double k_close = 0.8;                // share of the limit that is near enough
   constexpr double k_many = 0.02;  // share of the faces beyond the limit that is too many to hold
@@ -52,7 +52,7 @@ StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
   const double scale = simplifier.table().scale;
   const double limit = std::max(limits.error * scale, k_rounding * proof.diagonal());
   double estimate = limit;
-  StopReason reason = StopReason::error_target;
+  ProvedRun result;
   Simplifier::State best = simplifier.state();
   for (int run = 0; run < k_runs; ++run) {
     Limits estimated = limits;
@@ -62,7 +62,7 @@ StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
     const LimitCheck check = proof.check(reached, limit, progress);
     if (check.beyond.empty()) {
       best = simplifier.state();
-      reason = why;
+      result = {why, limit};
       if (why != StopReason::error_target || check.lower >= k_close * limit) break;
       estimate *= k_raise;
       continue;
@@ -75,7 +75,7 @@ StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
   }
   simplifier.restore(best);
   simplifier.release();
-  return reason;
+  return result;
 }
 
 }  // namespace recede::detail

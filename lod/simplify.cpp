@@ -216,15 +216,20 @@ std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup
     result.faces_before = faces_before;
     result.vertices_before = vertices_before;
     const Limits limits = to_limits(target, faces_before, diagonal, table.scale);
-    result.reason = proof && std::isfinite(limits.error)
-                        ? run_to_proved_error(simplifier, limits, input.positions, *proof, progress)
-                        : simplifier.run(limits, progress);
+    double proved = std::numeric_limits<double>::infinity();
+    if (proof && std::isfinite(limits.error)) {
+      const auto run = run_to_proved_error(simplifier, limits, input.positions, *proof, progress);
+      result.reason = run.reason;
+      proved = run.proved;
+    } else {
+      result.reason = simplifier.run(limits, progress);
+    }
     fill_report(simplifier, result);
     PolygonSoup soup = to_soup(table, input.positions);
     if (proof) {
       if (const auto error = proof->prove(soup, progress)) {
         result.error_lower = error->lower;
-        result.error_bound = error->upper;
+        result.error_bound = std::min(error->upper, proved);
       }
       result.proof_seconds = proof->seconds();
     }

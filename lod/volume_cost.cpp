@@ -20,6 +20,9 @@ constexpr double k_length_weight = 1e-7;
 /// volumes of tetrahedra (1/6 of the product) and areas of triangles (1/2), the source's equal weights.
 constexpr double k_line_weight = 9.0;
 
+/// Squared distance over squared half edge length that counts as none.
+constexpr double k_flat = 1e-20;
+
 /// Calls `visit(q)` for every neighbour to which a line of borders, creases or seams runs from `point`.
 template <typename Visit>
 void each_line_neighbour(const CornerTable& table, Index point, std::vector<Index>& seen, Visit&& visit) {
@@ -213,48 +216,61 @@ Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) 
   return through + step * along;
 }
 
+/// True when what the collapse sweeps is rounding.
+bool CollapsePlanner::is_flat(const CollapsePlan& plan) const {
+  return plan.deviation * plan.deviation <= k_flat * half_length_squared_;
+}
+
 /// The sum of what is swept, squared.
 double CollapsePlanner::swept_at(const Vec3& place) const {
   return std::max(0.0, place.dot(matrix_ * place) - 2 * pull_.dot(place) + constant_);
+}
+
+CollapsePlan CollapsePlanner::plan_at(Index removed, Index kept, const Vec3& place, double share) const {
+  const double swept = swept_at(place), weight = matrix_.trace();
+  const double cost = swept + k_length_weight * weight * half_length_squared_;
+  return {{removed, kept, place + center_, share}, cost, weight > 0 ? std::sqrt(swept / weight) : 0};
+}
+
+/// The better of the ends to which the edge may shrink.
+CollapsePlan CollapsePlanner::plan_at_ends(const EdgeFreedom& freedom, Index first, Index second) const {
+  CollapsePlan best;
+  const auto consider = [&](Index removed, Index kept) {
+    CollapsePlan plan = plan_at(removed, kept, table_.positions[kept] - center_, 1);
+    plan.collapse.position = table_.positions[kept];  // its very bits
+    if (best.collapse.removed == k_no_index || plan.cost < best.cost) best = plan;
+  };
+  if (freedom.may_remove_first) consider(first, second);
+  if (freedom.may_remove_second) consider(second, first);
+  return best;
 }
 
 CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index second) {
   const EdgeFreedom freedom = edge_freedom(table_, first, second);
   if (!freedom.allowed) return {};
   gather(rings, first, second);
-  CollapsePlan best;
-  const auto consider = [&](Index removed, Index kept, const Vec3& place, double share) {
-    const double swept = swept_at(place), weight = matrix_.trace();
-    const double cost = swept + k_length_weight * weight * half_length_squared_;
-    if (best.collapse.removed != k_no_index && !(cost < best.cost)) return;
-    best = {{removed, kept, place + center_, share}, cost, weight > 0 ? std::sqrt(swept / weight) : 0};
-  };
-  if (placement_ != VertexPlacement::half_edge && freedom.may_move) {
-    Vec3 place = Vec3::Zero();
-    if (placement_ != VertexPlacement::midpoint) {
-      place = line_before_ == k_no_index || line_after_ == k_no_index
-                  ? best_place()
-                  : best_place_on_line(table_.positions[line_before_] - center_,
-                                       table_.positions[line_after_] - center_);
-    }
-    if (place.allFinite() && place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_) {
-      const double along =
-          half_length_squared_ > 0 ? 0.5 + 0.5 * place.dot(half_edge_) / half_length_squared_ : 1;
-      const double share = std::clamp(along, 0.0, 1.0);
-      const bool removes_first = freedom.may_remove_first;
-      consider(removes_first ? first : second, removes_first ? second : first, place,
-               removes_first ? share : 1 - share);
-      return best;
-    }
+  if (placement_ == VertexPlacement::half_edge || !freedom.may_move) {
+    return plan_at_ends(freedom, first, second);
   }
-  const auto consider_end = [&](Index removed, Index kept) {
-    consider(removed, kept, table_.positions[kept] - center_, 1);
-    // The very bits of the end's position.
-    if (best.collapse.kept == kept) best.collapse.position = table_.positions[kept];
-  };
-  if (freedom.may_remove_first) consider_end(first, second);
-  if (freedom.may_remove_second) consider_end(second, first);
-  return best;
+  Vec3 place = Vec3::Zero();
+  if (placement_ != VertexPlacement::midpoint) {
+    place = line_before_ == k_no_index || line_after_ == k_no_index
+                ? best_place()
+                : best_place_on_line(table_.positions[line_before_] - center_,
+                                     table_.positions[line_after_] - center_);
+  }
+  if (!(place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_)) {
+    return plan_at_ends(freedom, first, second);
+  }
+  const double share = half_length_squared_ > 0
+                           ? std::clamp(0.5 + 0.5 * place.dot(half_edge_) / half_length_squared_, 0.0, 1.0)
+                           : 1;
+  const CollapsePlan best = freedom.may_remove_first ? plan_at(first, second, place, share)
+                                                     : plan_at(second, first, place, 1 - share);
+  if (placement_ == VertexPlacement::midpoint || !is_flat(best)) return best;
+  // Where it costs nothing either way, what stays is a point of the input.
+  const CollapsePlan at_end = plan_at_ends(freedom, first, second);
+  return is_flat(at_end) ? at_end : best;
 }
 
 }  // namespace recede::detail

@@ -4,6 +4,7 @@
 #include <recede/geometry/mesh_distance.h>
 #include <recede/lod/detail/simplifier.h>
 
+#include <limits>
 #include <optional>
 
 namespace recede::detail {
@@ -41,11 +42,16 @@ class ErrorProof {
   double diagonal_ = 0, seconds_ = 0;
 };
 
+struct ProvedRun {
+  StopReason reason = StopReason::error_target;
+  double proved = std::numeric_limits<double>::infinity();  ///< the error is at most this, object units
+};
+
 /// Simplifies as far as the proved error keeps `limits.error`, here the true two-sided distance in table
 /// units: a few runs that stop at an estimate. Where one went beyond the limit, the next holds the surface;
 /// when that is in many places, it stops earlier. The last run that kept the limit is restored.
-StopReason run_to_proved_error(Simplifier& simplifier, const Limits& limits,
-                               const std::vector<Vec3>& source_positions, ErrorProof& proof,
-                               Progress* progress);
+ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
+                              const std::vector<Vec3>& source_positions, ErrorProof& proof,
+                              Progress* progress);
 
 }  // namespace recede::detail

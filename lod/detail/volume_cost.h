@@ -57,6 +57,9 @@ class CollapsePlanner {
   Vec3 best_place() const;
   Vec3 best_place_on_line(const Vec3& before, const Vec3& after) const;
   double swept_at(const Vec3& place) const;
+  CollapsePlan plan_at(Index removed, Index kept, const Vec3& place, double share) const;
+  CollapsePlan plan_at_ends(const EdgeFreedom& freedom, Index first, Index second) const;
+  bool is_flat(const CollapsePlan& plan) const;
 
   const CornerTable& table_;
   VertexPlacement placement_;
