@@ -11,6 +11,11 @@
 namespace recede::detail {
 namespace {
 
+double longest_side(const Triangle& t) {
+  return std::sqrt(
+      std::max({(t.a - t.b).squaredNorm(), (t.b - t.c).squaredNorm(), (t.c - t.a).squaredNorm()}));
+}
+
 /// Drops positions that no triangle uses.
 std::vector<Vec3> keep_used(std::vector<Vec3> positions, std::vector<Index>& triangles) {
   std::vector<Index> number(positions.size(), k_no_index);
@@ -32,11 +37,20 @@ Surface::Surface(PolygonSoup soup)
     : triangles(triangulate(soup)),
       tree((positions = keep_used(std::move(soup.positions), triangles)), triangles) {
   areas.reserve(n_triangles());
+  std::vector<Index> corners;  // of the solid ones
   for (std::size_t t = 0; t < n_triangles(); ++t) {
-    const Triangle corners = triangle(t);
-    areas.push_back(0.5 * (corners.b - corners.a).cross(corners.c - corners.a).norm());
+    const Triangle here = triangle(t);
+    areas.push_back(0.5 * (here.b - here.a).cross(here.c - here.a).norm());
     area += areas.back();
+    constexpr double k_no_area = 1e-15;  // of the square over the longest side
+    const double longest = longest_side(here);
+    if (areas.back() > k_no_area * longest * longest) solid.push_back(static_cast<Index>(t));
   }
+  if (solid.empty() || solid.size() == n_triangles()) return;
+  for (const Index t : solid) {
+    corners.insert(corners.end(), triangles.begin() + 3 * t, triangles.begin() + 3 * t + 3);
+  }
+  solid_tree.emplace(positions, corners);
 }
 
 namespace {
@@ -74,11 +88,6 @@ std::vector<Index> triangles_across(const Surface& surface) {
                       }
                     });
   return across;
-}
-
-double longest_side(const Triangle& t) {
-  return std::sqrt(
-      std::max({(t.a - t.b).squaredNorm(), (t.b - t.c).squaredNorm(), (t.c - t.a).squaredNorm()}));
 }
 
 /// Distances of a piece's corners to a triangle: over the piece, `largest` isn't exceeded.
@@ -197,17 +206,23 @@ class BoundSearch {
     const auto nearest = to_.tree.closest(centroid, piece.near);
     const double at_centroid = std::sqrt(nearest.squared_distance);
     result.lower = std::max(result.lower, at_centroid);
-    const Triangle target = to_.triangle(nearest.triangle);
+    const Index near = solid_near(centroid, nearest.triangle);
+    const Triangle target = to_.triangle(near);
     const double radius = std::sqrt(std::max(
         {(t.a - centroid).squaredNorm(), (t.b - centroid).squaredNorm(), (t.c - centroid).squaredNorm()}));
     const double bound = std::min(at_centroid + radius, corner_distances(t, target).largest);
     if (settle(bound, centroid, result)) return;
     if (give_up) return accept(bound, centroid, result);
     const Overhang overhang = find_overhang(t, target);
-    if (!overhang.cuts || piece.steps >= k_most_steps) return cut_in_four(piece, nearest.triangle);
-    const Index neighbour = across_[3 * nearest.triangle + static_cast<Index>(overhang.side)];
-    push_halves(piece, overhang.heights, nearest.triangle,
-                neighbour == k_no_index ? nearest.triangle : neighbour);
+    if (!overhang.cuts || piece.steps >= k_most_steps) return cut_in_four(piece, near);
+    const Index neighbour = across_[3 * near + static_cast<Index>(overhang.side)];
+    push_halves(piece, overhang.heights, near, neighbour == k_no_index ? near : neighbour);
+  }
+
+  /// The nearest triangle that has an area, where some have none.
+  Index solid_near(const Vec3& place, Index nearest) const {
+    if (!to_.solid_tree || to_.areas[nearest] > 0) return nearest;
+    return to_.solid[to_.solid_tree->closest(place).triangle];
   }
 
   /// Looks at the planes through the sides of `target`, upright on it. Nothing when the piece is so much

@@ -98,6 +98,8 @@ void check(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& op
     throw InputError(std::string("the distance needs two surfaces, but the ") +
                      (a.n_faces() == 0 ? "first" : "second") + " one has no faces");
   }
+  validate(a, "first surface");
+  validate(b, "second surface");
   if (options.bound_tolerance && !(*options.bound_tolerance > 0 && *options.bound_tolerance < 1)) {
     throw OptionError("bound_tolerance must lie between 0 and 1");
   }
@@ -175,7 +177,7 @@ MeshDistance measure_inside(const Surface& first, const Surface& second, const D
   take(certified_intervals(first, second, forward.nearest, goal));
   report_progress(progress, "bound", 0.5);
   take(certified_intervals(second, first, backward.nearest, goal));
-  distance.max_bound = bound;
+  distance.max_bound = std::max(bound, distance.max_lower);
   report_progress(progress, "bound", 1);
   return distance;
 }

@@ -3,6 +3,8 @@
 
 #include <recede/geometry/closest_point.h>
 
+#include <optional>
+
 namespace recede::detail {
 
 /// A surface as triangles over the vertices that they use, with its search tree.
@@ -19,6 +21,9 @@ struct Surface {
   ClosestPointTree tree;
   std::vector<double> areas;
   double area = 0;
+  /// Triangles that are no mere segment or point, when others are: what lies beside a segment is near none.
+  std::vector<Index> solid;
+  std::optional<ClosestPointTree> solid_tree;
 };
 
 struct Interval {

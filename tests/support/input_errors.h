@@ -30,4 +30,15 @@ inline std::string complaint(std::string_view name, std::string_view content) {
   return "";
 }
 
+/// The text of the error that `work` ends with; "" when there is none.
+template <typename Work>
+std::string error_text(Work&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 }  // namespace recede::test
