@@ -221,7 +221,7 @@ class BoundSearch {
 
   /// The nearest triangle that has an area, where some have none.
   Index solid_near(const Vec3& place, Index nearest) const {
-    if (!to_.solid_tree || to_.areas[nearest] > 0) return nearest;
+    if (!to_.solid_tree || std::binary_search(to_.solid.begin(), to_.solid.end(), nearest)) return nearest;
     return to_.solid[to_.solid_tree->closest(place).triangle];
   }
 

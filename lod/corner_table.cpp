@@ -112,14 +112,14 @@ void shorten_face(CornerTable& table, Index corner, CollapseEffect& effect) {
   if (table.face_size(f) == 3) {
     for (const Index c : {before, corner, after}) table.point[c] = k_no_index;
     if (table.has_polygons) table.loop_size[f] = 0;
-    ++effect.removed_faces;
+    effect.removed_faces += table.sides(f);
     return;
   }
   table.loop_next[before] = after;
   table.point[corner] = k_no_index;
   table.loop_start[f] = after;
   --table.loop_size[f];
-  ++effect.lost_sides;
+  effect.lost_sides += table.sides(f);
 }
 
 /// Shortens the faces that have the edge, and gives the removed point's other corners to the kept one.
@@ -227,6 +227,7 @@ void pack_faces(CornerTable& table) {
   const auto face_stays = [&](Index f) { return table.is_face_alive(f); };
   const auto corner_stays = [&](Index c) { return table.is_alive(c); };
   if (!table.face_material.empty()) keep(table.face_material, face_stays);
+  if (!table.double_sided.empty()) keep(table.double_sided, face_stays);
   keep(table.source_face, face_stays);
   if (!table.wedge.empty()) keep(table.wedge, corner_stays);
   if (!table.feature.empty()) keep(table.feature, corner_stays);
@@ -253,7 +254,7 @@ void link_rings(CornerTable& table) {
 }
 
 void pack(CornerTable& table) {
-  if (table.n_alive_faces == table.n_faces() && table.n_alive_points == table.n_points()) return;
+  if (table.n_alive_points == table.n_points()) return;
   pack_faces(table);
   LargeList<Index>& number = table.merged;  // which loses its content anyway
   std::fill(number.begin(), number.end(), k_no_index);
@@ -308,6 +309,10 @@ PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_po
     if (!table.colors.empty()) soup.vertex_colors.push_back(table.colors[p]);
   }
   soup.face_offsets.reserve(faces.size() + 1);
+  const auto close_face = [&](Index f) {
+    soup.face_offsets.push_back(static_cast<Index>(soup.corner_vertices.size()));
+    if (!table.face_material.empty()) soup.face_materials.push_back(table.face_material[f]);
+  };
   for (const Index f : faces) {
     table.each_corner_of_face(f, [&](Index c) {
       soup.corner_vertices.push_back(vertex[table.point[c]]);
@@ -316,8 +321,11 @@ PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_po
       if (table.feature.empty() || table.feature[c] == 0) return;
       soup.feature_edges.emplace_back(std::minmax(vertex[table.point[c]], vertex[table.point_after(c)]));
     });
-    soup.face_offsets.push_back(static_cast<Index>(soup.corner_vertices.size()));
-    if (!table.face_material.empty()) soup.face_materials.push_back(table.face_material[f]);
+    close_face(f);
+    if (table.sides(f) == 1) continue;
+    const std::size_t size = table.face_size(f), end = soup.corner_vertices.size();
+    for (std::size_t i = 1; i <= size; ++i) soup.corner_vertices.push_back(soup.corner_vertices[end - i]);
+    close_face(f);
   }
   std::sort(soup.feature_edges.begin(), soup.feature_edges.end());
   soup.feature_edges.erase(std::unique(soup.feature_edges.begin(), soup.feature_edges.end()),

@@ -56,6 +56,7 @@ class TableBuilder {
     set_faces();
     table_.n_alive_points = table_.n_points();
     table_.n_alive_faces = table_.n_faces();
+    for (const unsigned char twice : table_.double_sided) table_.n_alive_faces += twice;
     if (!soup_.feature_edges.empty()) mark_features();
     // Lists that are done with lend their memory to those that come.
     table_.merged = std::move(vertex_point_);
@@ -70,6 +71,7 @@ class TableBuilder {
  private:
   void set_points();
   void turn_faces();
+  void merge_reverses();
   LargeList<Index> order_of_faces();
   void set_faces();
   void set_loops();
@@ -209,15 +211,81 @@ LargeList<Index> TableBuilder::order_of_faces() {
   return order;
 }
 
+/// A face and its reverse become one face with two sides, so that a sheet is a surface with a border and not
+/// a flat bag without an inside.
+void TableBuilder::merge_reverses() {
+  LargeList<Index>& order = table_.source_face;
+  const auto points = [&](Index f) {
+    return std::span(turned_.data() + soup_.face_offsets[f], soup_.face_size(f));
+  };
+  const auto material = [&](Index f) {
+    return soup_.face_materials.empty() ? k_no_index : soup_.face_materials[f];
+  };
+  const auto are_reverse = [&](Index f, Index g) {
+    const auto a = points(f), b = points(g);
+    return a.size() == b.size() && material(f) == material(g) &&
+           std::equal(a.begin() + 1, a.end(), b.rbegin());
+  };
+  // The faces with one lowest point stand together; those with one pair of neighbours of it can be reverses.
+  struct Key {
+    Index low, high, at;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> keys;
+  const auto visit_pairs = [&](Index first, Index last, auto&& visit) {
+    keys.clear();
+    for (Index i = first; i < last; ++i) {
+      const auto face = points(order[i]);
+      const auto [low, high] = std::minmax(face[1], face.back());
+      keys.push_back({low, high, i});
+    }
+    std::sort(keys.begin(), keys.end());
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+      for (std::size_t l = k + 1; l < keys.size(); ++l) {
+        if (keys[l].low != keys[k].low || keys[l].high != keys[k].high) break;
+        visit(keys[k].at, keys[l].at);
+      }
+    }
+  };
+  LargeList<unsigned char> sides;  // 0: gone, 1, 2
+  for (std::size_t p = 0; p < table_.n_points(); ++p) {
+    const Index first = p == 0 ? 0 : table_.ring_start[p - 1], last = table_.ring_start[p];
+    if (last - first < 2) continue;
+    visit_pairs(first, last, [&](Index i, Index j) {
+      if (!are_reverse(order[i], order[j])) return;
+      if (sides.empty()) sides.assign(order.size(), 1);
+      if (sides[i] != 1 || sides[j] != 1) return;
+      // The earlier one of the input stays: its neighbours are oriented like it.
+      const bool first_is_earlier = order[i] < order[j];
+      sides[first_is_earlier ? i : j] = 2;
+      sides[first_is_earlier ? j : i] = 0;
+    });
+  }
+  if (sides.empty()) return;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (sides[i] == 0) continue;
+    order[n] = order[i];
+    sides[n++] = sides[i];
+  }
+  order.resize(n);
+  for (unsigned char& count : sides) count = count == 2 ? 1 : 0;
+  sides.resize(n);
+  table_.double_sided = std::move(sides);
+}
+
 void TableBuilder::set_faces() {
   table_.has_uvs = !soup_.corner_uvs.empty();
   table_.has_normals = !soup_.corner_normals.empty();
   turn_faces();
   table_.source_face = order_of_faces();
+  const bool with_attributes = table_.has_uvs || table_.has_normals;
+  if (!with_attributes) merge_reverses();
+  std::size_t n_corners = 0;
+  for (const Index f : table_.source_face) n_corners += soup_.face_size(f);
+  table_.point.resize(n_corners);
   table_.has_polygons = soup_.n_corners() != 3 * soup_.n_faces();
   if (table_.has_polygons) set_loops();
-  const bool with_attributes = table_.has_uvs || table_.has_normals;
-  table_.point.resize(soup_.n_corners());
   if (with_attributes) source_corner_.resize(soup_.n_corners());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table_.n_faces(), 4096), [&](const auto& range) {
     for (std::size_t f = range.begin(); f < range.end(); ++f) {
@@ -238,8 +306,8 @@ void TableBuilder::set_faces() {
 }
 
 void TableBuilder::set_loops() {
-  table_.loop_next.resize(soup_.n_corners());
-  table_.corner_face.resize(soup_.n_corners());
+  table_.loop_next.resize(table_.n_corners());
+  table_.corner_face.resize(table_.n_corners());
   Index corner = 0;
   for (Index f = 0; f < table_.n_faces(); ++f) {
     const auto size = static_cast<Index>(soup_.face_size(table_.source_face[f]));

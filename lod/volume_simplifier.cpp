@@ -308,7 +308,9 @@ std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidat
 /// with quads fewer, and then the next pass goes on.
 std::size_t VolumeSimplifier::wanted(const Limits& limits) const {
   std::size_t result = table_.n_alive_points;
-  if (limits.faces > 0) result = std::min(result, (table_.n_alive_faces - limits.faces + 1) / 2);
+  const std::size_t per_collapse = table_.double_sided.empty() ? 2 : 4;
+  if (limits.faces > 0)
+    result = std::min(result, (table_.n_alive_faces - limits.faces + per_collapse - 1) / per_collapse);
   if (limits.vertices > 0) result = std::min(result, table_.n_alive_points - limits.vertices);
   return result;
 }

@@ -54,8 +54,9 @@ struct CornerTable {
   LargeList<unsigned char> feature;  ///< empty: none; 1: the side to the next corner is a feature edge
 
   // By face.
-  LargeList<Index> source_face;    ///< in the input
-  LargeList<Index> face_material;  ///< empty: none
+  LargeList<Index> source_face;           ///< in the input
+  LargeList<Index> face_material;         ///< empty: none
+  LargeList<unsigned char> double_sided;  ///< 1: the face stands for itself and its reverse; empty: none does
 
   // Only when some face has more than three sides.
   bool has_polygons = false;
@@ -66,7 +67,7 @@ struct CornerTable {
   bool has_uvs = false, has_normals = false;
   std::vector<Material> materials;
 
-  std::size_t n_alive_faces = 0, n_alive_points = 0;
+  std::size_t n_alive_faces = 0, n_alive_points = 0;  ///< double-sided faces count twice
   // Object space = origin + scale * table space.
   Vec3 origin = Vec3::Zero();
   double scale = 1;
@@ -88,6 +89,7 @@ struct CornerTable {
   Index face(Index corner) const { return has_polygons ? corner_face[corner] : corner / 3; }
   Index face_size(Index of_face) const { return has_polygons ? loop_size[of_face] : 3; }
   Index face_corner(Index of_face) const { return has_polygons ? loop_start[of_face] : 3 * of_face; }
+  Index sides(Index of_face) const { return double_sided.empty() ? 1 : 1 + double_sided[of_face]; }
   bool is_alive(Index corner) const { return point[corner] != k_no_index; }
   bool is_face_alive(Index of_face) const {
     return has_polygons ? loop_size[of_face] != 0 : is_alive(3 * of_face);

@@ -183,7 +183,8 @@ PolygonSoup book_of_sheets(Index sheets, Index n) {
     PolygonSoup sheet = grid(n, true);
     const double angle = 0.5 * s;
     for (Vec3& p : sheet.positions) {
-      p = {p.x() * std::cos(angle), p.y(), p.x() * std::sin(angle) + 0.1 * p.x() * p.x() * std::sin(6 * p.y())};
+      p = {p.x() * std::cos(angle), p.y(),
+           p.x() * std::sin(angle) + 0.1 * p.x() * p.x() * std::sin(6 * p.y())};
     }
     append(soup, sheet);
   }
@@ -289,8 +290,10 @@ std::vector<HardCase> hard_cases() {
   add("very_large", transformed(ball, 1e9, Vec3::Zero()));
   add("unreferenced_vertices", with_unused_vertices(ball));
   add("one_triangle", soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
-  for (auto& [name, soup] : {std::pair{"flat_grid", grid(40, true)}, {"turned_flat_grid", turned_grid()},
-                             {"collapsed_grid", collapsed_grid(50)}, {"touching_boxes", touching_boxes()}}) {
+  for (auto& [name, soup] : {std::pair{"flat_grid", grid(40, true)},
+                             {"turned_flat_grid", turned_grid()},
+                             {"collapsed_grid", collapsed_grid(50)},
+                             {"touching_boxes", touching_boxes()}}) {
     cases.push_back({name, soup, "", true});
   }
   cases.push_back({"not_a_number", with_coordinate(nan), "isn't finite"});

@@ -42,14 +42,17 @@ void expect_no_worse(const PolygonSoup& before, const PolygonSoup& after) {
   for (std::size_t f = 0; f < after.n_faces(); ++f) {
     std::vector<Index> face(after.face(f).begin(), after.face(f).end());
     std::sort(face.begin(), face.end());
-    ASSERT_EQ(std::adjacent_find(face.begin(), face.end()), face.end()) << "face " << f << " visits a vertex twice";
+    ASSERT_EQ(std::adjacent_find(face.begin(), face.end()), face.end())
+        << "face " << f << " visits a vertex twice";
   }
 }
 
 TEST_P(HardCases, RepairSimplifyAndMeasure) {
   if (!GetParam().refusal.empty()) {
-    EXPECT_NE(test::error_text([&] { simplify(soup(), to_share(0.1)); }).find(GetParam().refusal), std::string::npos);
-    EXPECT_NE(test::error_text([&] { measure_distance(soup(), soup()); }).find(GetParam().refusal), std::string::npos);
+    EXPECT_NE(test::error_text([&] { simplify(soup(), to_share(0.1)); }).find(GetParam().refusal),
+              std::string::npos);
+    EXPECT_NE(test::error_text([&] { measure_distance(soup(), soup()); }).find(GetParam().refusal),
+              std::string::npos);
     return;
   }
   const PolygonMesh mesh = repair_to_polygon_mesh(soup()).mesh;
@@ -64,8 +67,8 @@ TEST_P(HardCases, RepairSimplifyAndMeasure) {
       ASSERT_TRUE(result.error_bound);
       EXPECT_TRUE(std::isfinite(*result.error_bound));
       EXPECT_LE(result.error_lower, *result.error_bound);
-      // By an independent evaluator with other points. Nearest points on slivers of aspect 1e9 are as uncertain as
-      // those are wide.
+      // By an independent evaluator with other points. Nearest points on slivers of aspect 1e9 are as
+      // uncertain as those are wide.
       const MeshDistance distance = measure_distance(mesh, result.mesh, {.samples = 5000});
       EXPECT_LE(distance.max, *result.error_bound + 1e-9 * distance.diagonal);
       if (result.reason == StopReason::no_collapse_left && result.faces_after > 1) {
@@ -112,7 +115,8 @@ TEST_P(HardCases, HierarchiesAreWrittenAndReadBack) {
   options.ratios = {0.5, 0.1};
   options.measure.samples = 1000;
   if (mesh.n_faces() == 0) {
-    EXPECT_NE(test::error_text([&] { build_hierarchy(mesh, name, options); }).find("faces"), std::string::npos);
+    EXPECT_NE(test::error_text([&] { build_hierarchy(mesh, name, options); }).find("faces"),
+              std::string::npos);
     return;
   }
   const test::TempFolder folder;
@@ -153,6 +157,21 @@ TEST(HardCasesOneByOne, ABookKeepsItsSpine) {
   EXPECT_GE(spine, 1u);
 }
 
+TEST(HardCasesOneByOne, SheetsSeenFromBothSidesSimplifyAsOneSheet) {
+  const SimplifySoupResult result = simplify(test::double_sided_sheet(20), to_share(0.1));
+  EXPECT_EQ(result.reason, StopReason::face_target);
+  EXPECT_LE(result.faces_after, 160u);
+  EXPECT_GE(result.faces_after, 150u);
+  std::map<std::vector<Index>, int> sides;
+  for (std::size_t f = 0; f < result.soup.n_faces(); ++f) {
+    std::vector<Index> face(result.soup.face(f).begin(), result.soup.face(f).end());
+    std::sort(face.begin(), face.end());
+    ++sides[face];
+  }
+  for (const auto& [face, count] : sides) EXPECT_EQ(count, 2);
+  EXPECT_LT(*result.error_bound, 0.02) << "a sheet 1 wide, with waves 0.1 high";
+}
+
 TEST(HardCasesOneByOne, LooseCubesSayWhyTheyStop) {
   const SimplifySoupResult result = simplify(test::loose_cubes(1500), to_share(0.1));
   EXPECT_EQ(result.reason, StopReason::no_collapse_left);
@@ -185,7 +204,8 @@ TEST(HardCasesOneByOne, TheOrderOfVerticesAndFacesDoesNotMatter) {
     const SimplifySoupResult first = simplify(soup, to_share(0.1));
     const SimplifySoupResult second = simplify(test::shuffled(soup, 3), to_share(0.1));
     EXPECT_EQ(first.faces_after, second.faces_after);
-    EXPECT_NEAR(*first.error_bound, *second.error_bound, 0.05 * *first.error_bound) << "the proof's tolerance";
+    EXPECT_NEAR(*first.error_bound, *second.error_bound, 0.05 * *first.error_bound)
+        << "the proof's tolerance";
     auto a = first.soup.positions, b = second.soup.positions;
     const auto before = [](const Vec3& p, const Vec3& q) {
       return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
