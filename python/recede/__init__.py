@@ -1,0 +1,166 @@
+"""Level-of-detail geometry that says how wrong it is.
+
+Meshes go in and come out as numpy arrays:
+
+    import recede
+    mesh = recede.read("dragon.ply")
+    small = recede.simplify(mesh, ratio=0.1)
+    print(small.mesh.n_faces, small.error_bound)
+    recede.write("small.ply", small.mesh)
+
+Long calls release the interpreter's lock, run on all cores (see `set_threads`), and take `progress`: a callable
+that receives the name of the stage and the done fraction of it, 0 to 1. When it returns False the call ends with
+`Cancelled`; what it raises goes through. Ctrl-C works too. Lengths are in the units of the mesh.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import pi
+from typing import Any, Optional, Union
+
+from ._recede import (
+    BakeResult,
+    Cancelled,
+    Distance,
+    Error,
+    InputError,
+    Level,
+    LevelError,
+    Material,
+    Mesh,
+    OneSidedDistance,
+    OptionError,
+    RepairStep,
+    SimplifyResult,
+)
+from . import _recede
+
+__all__ = [
+    "BakeResult", "Cancelled", "Distance", "Error", "InputError", "Level", "LevelError", "Material", "Mesh",
+    "OneSidedDistance", "OptionError", "RepairStep", "SimplifyResult", "bake", "compare", "make_displaced_sphere",
+    "make_teapot", "read", "set_threads", "simplify", "simplify_levels", "write",
+]
+
+Progress = Callable[[str, float], Optional[bool]]
+Path = Union[str, "os.PathLike[str]"]
+
+
+def read(path: Path, *, repair: bool = True, progress: Progress | None = None) -> Mesh:
+    """The mesh in an OBJ, PLY, STL, OFF, glTF or GLB file.
+
+    With `repair`, identical vertices are merged, degenerate and duplicate faces removed, faces oriented alike and
+    non-manifold places split; `mesh.repairs` says what each step changed. Without, the mesh is what the file holds.
+    Raises `InputError` that names the file and the line or byte.
+    """
+    return _recede.read(path, repair, progress)
+
+
+def write(path: Path, mesh: Mesh) -> list[str]:
+    """Writes a mesh; the extension chooses the format. Returns, in words, what that format can't hold.
+
+    The file appears whole or not at all. Raises `InputError`.
+    """
+    return _recede.write(path, mesh)
+
+
+def _simplify_options(options: Mapping[str, Any]) -> tuple[dict[str, Any], float]:
+    known = {"cost", "placement", "prove_error", "lock_borders", "keep_uv_seams", "keep_normal_seams",
+             "keep_polygons", "normal_threshold", "candidate_share", "seed", "feature_angle"}
+    for name in options:
+        if name not in known:
+            raise TypeError(f"unexpected option {name!r}; known are {', '.join(sorted(known))}")
+    rest = dict(options)
+    angle = float(rest.pop("feature_angle", 0.0))
+    if not 0 <= angle <= 180:
+        raise OptionError("feature_angle must lie between 0 and 180 degrees")
+    return rest, angle * pi / 180
+
+
+def simplify(mesh: Mesh, *, faces: int | None = None, vertices: int | None = None, ratio: float | None = None,
+             error: float | None = None, relative_error: float | None = None, progress: Progress | None = None,
+             **options: Any) -> SimplifyResult:
+    """A coarser mesh, by edge collapse; polygons stay polygons. The first target that is reached stops.
+
+    Targets: at most `faces`, `vertices`, or `ratio` of the faces (0 to 1); `error`, the largest two-sided distance
+    to the input, or `relative_error`, the same as a share of the bounding box's diagonal.
+
+    The result has the mesh, `error_bound` (the certified two-sided distance, a bound and no estimate),
+    `error_estimate`, `stop_reason`, counts, and `refused`: how many collapses were refused, by reason.
+
+    Options: `cost` ("volume", or "normal_deviation"), `placement` ("automatic", "half_edge", "midpoint",
+    "optimal"), `prove_error` (True; False: errors are estimated only, and faster), `feature_angle` (degrees: keep
+    edges sharper than this; 0: none), `lock_borders` (False), `keep_uv_seams`, `keep_normal_seams`,
+    `keep_polygons` (True), and for normal_deviation `normal_threshold` (0.99), `candidate_share` (0.01), `seed` (1).
+
+    Raises `OptionError` for options out of range, `InputError` for a mesh that can't be used.
+    """
+    target = {"faces": faces, "vertices": vertices, "ratio": ratio, "error": error, "relative_error": relative_error}
+    settings, feature_angle = _simplify_options(options)
+    return _recede.simplify(mesh, [target], settings, feature_angle, progress)[0]
+
+
+def simplify_levels(mesh: Mesh, targets: Iterable[Mapping[str, float]], *, progress: Progress | None = None,
+                    **options: Any) -> list[SimplifyResult]:
+    """One run that stops at each target in turn, fine to coarse: `[{"ratio": 0.5}, {"ratio": 0.1}]`.
+
+    Targets and options are those of `simplify`.
+    """
+    known = {"faces", "vertices", "ratio", "error", "relative_error"}
+    levels = [dict(target) for target in targets]
+    for level in levels:
+        for name in level:
+            if name not in known:
+                raise TypeError(f"unexpected target {name!r}; known are {', '.join(sorted(known))}")
+    settings, feature_angle = _simplify_options(options)
+    return _recede.simplify(mesh, levels, settings, feature_angle, progress)
+
+
+def compare(first: Mesh, second: Mesh, *, samples: int = 200_000, bound_tolerance: float | None = 0.05,
+            progress: Progress | None = None) -> Distance:
+    """The two-sided distance between two surfaces: sampled maximum, RMS and mean, and a certified bound.
+
+    `samples` are spread over each surface by area, beside all vertices. `bound_tolerance` is the width of the
+    certified interval as a share of `max_bound`; None certifies nothing.
+    """
+    return _recede.compare(first, second, samples, bound_tolerance, progress)
+
+
+def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[float] | None = None,
+         errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
+         distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
+         pixel_error: float = 1, up: Sequence[float] = (0, 1, 0), report: bool = True,
+         progress: Progress | None = None, **options: Any) -> BakeResult:
+    """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
+
+    Levels are chosen by one of: `ratios` of the faces, decreasing (0.5, 0.25, 0.1, 0.03, 0.01 when nothing is
+    given); certified `errors`, increasing, or `relative_errors`, shares of the diagonal; camera `distances`,
+    increasing, whose errors follow from the view: `image_height` (pixels), vertical `field_of_view` (degrees) and
+    `pixel_error` (pixels). `up` points upwards in the report's pictures. Options are those of `simplify`.
+    """
+    if not (ratios or errors or relative_errors or distances):
+        ratios = (0.5, 0.25, 0.1, 0.03, 0.01)
+    levels = {"ratios": list(ratios or []), "errors": list(errors or []),
+              "relative_errors": list(relative_errors or []), "distances": list(distances or []),
+              "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
+              "up": list(up), "report": report}
+    settings, feature_angle = _simplify_options(options)
+    return _recede.bake(mesh, folder, name, levels, settings, feature_angle, progress)
+
+
+def make_teapot(quads_per_side: int = 40, relief: float = 0.02) -> Mesh:
+    """The Utah teapot as quads, z up, 6.5 units wide, with a smooth relief that high."""
+    return _recede.make_teapot(quads_per_side, relief)
+
+
+def make_displaced_sphere(faces: int = 250_000, *, triangles: bool = True) -> Mesh:
+    """A sphere of radius 1 with ridges of noise, of at least so many triangles or quads."""
+    return _recede.make_displaced_sphere(faces, triangles)
+
+
+def set_threads(count: int) -> None:
+    """Uses at most `count` threads from now on; 0: all. Results don't depend on it."""
+    if count < 0:
+        raise OptionError("the number of threads must not be negative")
+    _recede.set_threads(count)

@@ -1,0 +1,202 @@
+from collections.abc import Callable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+_Progress = Optional[Callable[[str, float], Optional[bool]]]
+_Path = Union[str, PathLike[str]]
+
+class Error(RuntimeError):
+    """Base of every error that Recede raises on purpose."""
+
+class InputError(Error):
+    """A file, mesh or value that can't be used; the text names the place."""
+
+class OptionError(Error):
+    """An option outside its range, or options that contradict each other."""
+
+class Cancelled(Error):
+    """The progress callable asked to stop. Nothing was changed or written."""
+
+class Material:
+    def __init__(self, name: str, base_color: Sequence[float] = ..., base_color_texture: str = "") -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def base_color(self) -> tuple[float, float, float, float]: ...
+    @property
+    def base_color_texture(self) -> str: ...
+
+class RepairStep:
+    @property
+    def name(self) -> str: ...
+    @property
+    def changed(self) -> int: ...
+    @property
+    def detail(self) -> str: ...
+
+class Mesh:
+    """Polygons over shared vertices. Arrays are read-only views; nothing of a mesh changes."""
+    def __init__(
+        self,
+        positions: npt.ArrayLike,
+        faces: Union[npt.ArrayLike, Sequence[Sequence[int]]],
+        *,
+        corner_uvs: Optional[npt.ArrayLike] = None,
+        corner_normals: Optional[npt.ArrayLike] = None,
+        vertex_colors: Optional[npt.ArrayLike] = None,
+        face_materials: Optional[npt.ArrayLike] = None,
+        materials: Sequence[Material] = ...,
+        feature_edges: Optional[npt.ArrayLike] = None,
+    ) -> None: ...
+    @property
+    def n_vertices(self) -> int: ...
+    @property
+    def n_faces(self) -> int: ...
+    @property
+    def positions(self) -> npt.NDArray[np.float64]:
+        """V x 3"""
+    @property
+    def faces(self) -> Union[npt.NDArray[np.uint32], list[list[int]]]:
+        """F x n when all faces have n sides, else a list of lists."""
+    @property
+    def face_offsets(self) -> npt.NDArray[np.uint32]:
+        """F + 1 entries: face f has the corners face_offsets[f] to face_offsets[f + 1]."""
+    @property
+    def corner_vertices(self) -> npt.NDArray[np.uint32]:
+        """C vertex numbers"""
+    @property
+    def triangles(self) -> npt.NDArray[np.uint32]:
+        """T x 3: the faces cut into triangles"""
+    @property
+    def corner_uvs(self) -> Optional[npt.NDArray[np.float64]]:
+        """C x 2, or None"""
+    @property
+    def corner_normals(self) -> Optional[npt.NDArray[np.float64]]:
+        """C x 3, or None"""
+    @property
+    def vertex_colors(self) -> Optional[npt.NDArray[np.float64]]:
+        """V x 4, linear, with opacity; or None"""
+    @property
+    def face_materials(self) -> Optional[npt.NDArray[np.uint32]]:
+        """F places in `materials` (0xffffffff: none), or None"""
+    @property
+    def materials(self) -> list[Material]: ...
+    @property
+    def feature_edges(self) -> list[tuple[int, int]]: ...
+    @property
+    def diagonal(self) -> float:
+        """Of the bounding box"""
+    @property
+    def repairs(self) -> list[RepairStep]: ...
+
+class SimplifyResult:
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def faces_before(self) -> int: ...
+    @property
+    def faces_after(self) -> int: ...
+    @property
+    def vertices_before(self) -> int: ...
+    @property
+    def vertices_after(self) -> int: ...
+    @property
+    def collapses(self) -> int: ...
+    @property
+    def passes(self) -> int: ...
+    @property
+    def error_bound(self) -> Optional[float]:
+        """Certified two-sided distance to the input; None when it wasn't proved."""
+    @property
+    def error_lower(self) -> float:
+        """A distance that occurs."""
+    @property
+    def error_estimate(self) -> float:
+        """What the collapses may have moved the surface by; no bound."""
+    @property
+    def stop_reason(self) -> str: ...
+    @property
+    def refused(self) -> dict[str, int]: ...
+    @property
+    def seconds(self) -> float:
+        """Without those of the proof."""
+    @property
+    def proof_seconds(self) -> float: ...
+
+class OneSidedDistance:
+    @property
+    def max(self) -> float: ...
+    @property
+    def rms(self) -> float: ...
+    @property
+    def mean(self) -> float: ...
+    @property
+    def at(self) -> tuple[float, float, float]: ...
+
+class Distance:
+    @property
+    def forward(self) -> OneSidedDistance: ...
+    @property
+    def backward(self) -> OneSidedDistance: ...
+    @property
+    def max(self) -> float: ...
+    @property
+    def rms(self) -> float: ...
+    @property
+    def max_bound(self) -> Optional[float]: ...
+    @property
+    def max_lower(self) -> float: ...
+    @property
+    def diagonal(self) -> float: ...
+    @property
+    def samples(self) -> int: ...
+
+class LevelError:
+    @property
+    def max(self) -> float: ...
+    @property
+    def rms(self) -> float: ...
+    @property
+    def bound(self) -> float: ...
+
+class Level:
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def error(self) -> LevelError: ...
+    @property
+    def switch_distance(self) -> float: ...
+    @property
+    def screen_coverage(self) -> float: ...
+    @property
+    def stop_reason(self) -> str: ...
+
+class BakeResult:
+    @property
+    def levels(self) -> list[Level]: ...
+    @property
+    def glb(self) -> Path: ...
+    @property
+    def folder(self) -> Path: ...
+    @property
+    def report(self) -> Optional[Path]: ...
+
+def read(path: _Path, repair: bool, progress: _Progress) -> Mesh: ...
+def write(path: _Path, mesh: Mesh) -> list[str]: ...
+def simplify(
+    mesh: Mesh, targets: list[dict[str, Any]], options: dict[str, Any], feature_angle: float, progress: _Progress
+) -> list[SimplifyResult]: ...
+def compare(
+    a: Mesh, b: Mesh, samples: int, bound_tolerance: Optional[float], progress: _Progress
+) -> Distance: ...
+def bake(
+    mesh: Mesh, folder: _Path, name: str, levels: dict[str, Any], options: dict[str, Any], feature_angle: float,
+    progress: _Progress,
+) -> BakeResult: ...
+def make_teapot(quads_per_side: int, relief: float) -> Mesh: ...
+def make_displaced_sphere(faces: int, triangles: bool) -> Mesh: ...
+def set_threads(count: int) -> None: ...

@@ -1,0 +1,214 @@
+"""The module as a user sees it: arrays in, arrays out, errors, progress, and the same numbers as from C++."""
+
+import inspect
+import pathlib
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import recede
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    return recede.make_displaced_sphere(3000)
+
+
+def square():
+    return recede.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
+
+
+def test_a_mesh_gives_back_the_arrays_it_was_made_of():
+    positions = np.random.default_rng(1).random((5, 3))
+    mesh = recede.Mesh(positions, [[0, 1, 2, 3], [0, 3, 4]], corner_uvs=np.ones((7, 2)),
+                       vertex_colors=np.full((5, 4), 0.5), face_materials=[0, -1],
+                       materials=[recede.Material("red", (1, 0, 0, 1))], feature_edges=[[0, 1]])
+    assert np.array_equal(mesh.positions, positions)
+    assert mesh.faces == [[0, 1, 2, 3], [0, 3, 4]]
+    assert mesh.face_offsets.tolist() == [0, 4, 7]
+    assert mesh.corner_vertices.tolist() == [0, 1, 2, 3, 0, 3, 4]
+    assert mesh.corner_uvs.shape == (7, 2) and mesh.corner_normals is None
+    assert mesh.face_materials.tolist() == [0, 0xFFFFFFFF]
+    assert mesh.materials[0].name == "red" and mesh.materials[0].base_color == (1, 0, 0, 1)
+    assert mesh.feature_edges == [(0, 1)]
+    assert mesh.triangles.shape == (3, 3)
+
+
+def test_faces_of_one_size_are_one_array():
+    assert square().faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert recede.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int)).n_faces == 0
+
+
+def test_arrays_outlive_their_mesh_and_cant_be_written():
+    positions = square().positions
+    assert positions.tolist()[2] == [1, 1, 0]
+    with pytest.raises(ValueError):
+        positions[0, 0] = 1
+
+
+@pytest.mark.parametrize("positions, faces, text", [
+    ([[0, 0]], [[0, 0, 0]], "positions must have 3 numbers"),
+    ([[0, 0, 0]], [[0, 1, 2]], "vertex 1"),
+    ([[0, 0, 0]] * 3, [[0, 1.5, 2]], "integers"),
+    ([[0, 0, 0]] * 3, [[0, 1]], "corners"),
+    ([[0, 0, float("nan")]] * 3, [[0, 1, 2]], "finite"),
+    ("text", [[0, 1, 2]], "numbers"),
+    ([[0, 0, 0]] * 3, np.array([[-1, 1, 2]]), "-1"),
+])
+def test_wrong_arrays_are_refused_in_one_line(positions, faces, text):
+    with pytest.raises(recede.InputError, match=text) as error:
+        recede.Mesh(positions, faces)
+    assert "\n" not in str(error.value)
+
+
+def test_simplify_reaches_its_target_and_proves_its_error(sphere):
+    result = recede.simplify(sphere, ratio=0.1)
+    assert result.faces_after == result.mesh.n_faces <= 0.1 * sphere.n_faces
+    assert result.stop_reason == "face target reached"
+    distance = recede.compare(sphere, result.mesh)
+    # Both are certified intervals around one distance.
+    assert result.error_lower <= distance.max_bound and distance.max <= result.error_bound
+    assert set(result.refused) >= {"border", "topology", "flip"}
+    assert result.proof_seconds > 0
+
+
+def test_an_error_target_is_the_true_distance(sphere):
+    result = recede.simplify(sphere, relative_error=0.01)
+    assert result.error_bound <= 0.01 * sphere.diagonal
+    assert recede.compare(sphere, result.mesh, bound_tolerance=None).max <= 0.01 * sphere.diagonal
+
+
+def test_without_a_proof_there_is_only_an_estimate(sphere):
+    result = recede.simplify(sphere, ratio=0.1, prove_error=False)
+    assert result.error_bound is None and result.error_estimate > 0 and result.proof_seconds == 0
+
+
+def test_levels_come_from_one_run(sphere):
+    levels = recede.simplify_levels(sphere, [{"ratio": 0.5}, {"ratio": 0.1}])
+    assert [level.mesh.n_faces for level in levels] == sorted((level.mesh.n_faces for level in levels), reverse=True)
+    assert levels[0].error_bound < levels[1].error_bound
+
+
+def test_quads_stay_quads():
+    mesh = recede.make_displaced_sphere(2000, triangles=False)
+    result = recede.simplify(mesh, ratio=0.4)
+    sizes = np.diff(result.mesh.face_offsets)
+    assert (sizes == 4).mean() > 0.5
+
+
+def test_the_input_stays_as_it_was(sphere):
+    before = sphere.positions.copy(), sphere.corner_vertices.copy()
+    recede.simplify(sphere, ratio=0.1)
+    assert np.array_equal(before[0], sphere.positions) and np.array_equal(before[1], sphere.corner_vertices)
+
+
+@pytest.mark.parametrize("options, text", [
+    ({"ratio": 2}, "ratio"), ({"faces": 0}, "face target"), ({"cost": "beauty"}, "volume"),
+    ({"ratio": 0.5, "placement": "optimal", "cost": "normal_deviation"}, "optimal"), ({"feature_angle": 200}, "180"),
+])
+def test_wrong_options_are_refused(sphere, options, text):
+    with pytest.raises(recede.OptionError, match=text):
+        recede.simplify(sphere, **options)
+
+
+def test_unknown_options_are_refused(sphere):
+    with pytest.raises(TypeError, match="ratoi"):
+        recede.simplify(sphere, ratoi=0.5)
+    with pytest.raises(TypeError, match="fases"):
+        recede.simplify_levels(sphere, [{"fases": 3}])
+
+
+def test_files_are_written_and_read(tmp_path, sphere):
+    path = tmp_path / "sphere.ply"
+    assert recede.write(path, sphere) == []
+    mesh = recede.read(path)
+    assert mesh.n_faces == sphere.n_faces
+    assert np.array_equal(recede.read(path, repair=False).positions, sphere.positions)
+    assert recede.write(tmp_path / "named.stl", square()) is not None
+
+
+def test_a_bad_file_is_an_error_with_its_place(tmp_path):
+    path = tmp_path / "bad.obj"
+    path.write_text("v 0 0 0\nv 1 0\n")
+    with pytest.raises(recede.InputError, match=r"bad\.obj:2"):
+        recede.read(path)
+    with pytest.raises(recede.Error):
+        recede.read(tmp_path / "missing.ply")
+
+
+def test_repairs_are_reported():
+    twice = recede.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 0, 0]], [[0, 1, 2], [3, 1, 2]])
+    assert twice.repairs == []
+    result = recede.simplify(twice, ratio=1)
+    assert result.vertices_after == 3
+
+
+def test_bake_writes_a_hierarchy(tmp_path, sphere):
+    result = recede.bake(sphere, tmp_path, name="ball", ratios=[0.5, 0.1], report=False)
+    assert result.glb == tmp_path / "ball.glb" and result.glb.stat().st_size > 0
+    assert [level.mesh.n_faces for level in result.levels][0] == sphere.n_faces
+    assert result.levels[1].error.bound < result.levels[2].error.bound
+    assert result.levels[2].switch_distance > result.levels[1].switch_distance
+    assert result.report is None
+    with pytest.raises(recede.OptionError):
+        recede.bake(sphere, tmp_path, ratios=[0.1, 0.5])
+
+
+def test_bake_writes_a_report(tmp_path):
+    result = recede.bake(recede.make_teapot(4), tmp_path, ratios=[0.3], up=(0, 0, 1), image_height=300)
+    assert "<html" in pathlib.Path(result.report).read_text()[:200]
+
+
+def test_progress_is_called_and_can_cancel(sphere):
+    calls = []
+    recede.simplify(sphere, ratio=0.1, progress=lambda stage, fraction: calls.append((stage, fraction)))
+    assert {stage for stage, _ in calls} >= {"simplify", "measure"}
+    assert all(0 <= fraction <= 1 for _, fraction in calls)
+    with pytest.raises(recede.Cancelled):
+        recede.simplify(sphere, ratio=0.1, progress=lambda stage, fraction: False)
+
+
+def test_what_progress_raises_goes_through(sphere):
+    def fail(stage, fraction):
+        raise KeyError("mine")
+    with pytest.raises(KeyError, match="mine"):
+        recede.simplify(sphere, ratio=0.1, progress=fail)
+
+
+def test_other_threads_run_meanwhile():
+    mesh = recede.make_displaced_sphere(100_000)
+    ticks = []
+    done = threading.Event()
+
+    def tick():
+        while not done.is_set():
+            ticks.append(None)
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    try:
+        recede.simplify(mesh, ratio=0.1)
+    finally:
+        done.set()
+        thread.join()
+    # A lock that is kept would let it in a few times at most, when progress is reported without a callable.
+    assert len(ticks) > 20
+
+
+def test_threads_dont_change_the_result(sphere):
+    results = []
+    for threads in (1, 2, 0):
+        recede.set_threads(threads)
+        results.append(recede.simplify(sphere, ratio=0.1).mesh)
+    assert all(np.array_equal(results[0].positions, other.positions) for other in results)
+    assert all(np.array_equal(results[0].corner_vertices, other.corner_vertices) for other in results)
+
+
+def test_every_function_says_what_it_does():
+    for name in recede.__all__:
+        item = getattr(recede, name)
+        if inspect.isfunction(item):
+            assert item.__doc__ and len(item.__doc__) > 40, name
