@@ -59,9 +59,9 @@ struct HierarchyOptions {
   DistanceOptions measure{.samples = 100'000, .bound_tolerance = 0.1};
 };
 
-/// Builds and measures the levels. With `errors` or `distances`, each level is the coarsest that a search of
-/// at most six simplifications finds whose certified bound keeps the limit; a limit that no simplification
-/// keeps gives a copy of the level before. Throws `OptionError` for options out of range.
+/// Builds and measures the levels, each from the one before. With `errors` or `distances`, each level keeps
+/// its limit by proof (see `SimplifyTarget::error`); one that no simplification keeps gives a copy of the
+/// level before. Throws `OptionError` for options out of range.
 LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
                              const HierarchyOptions& options, Progress* progress = nullptr);
 

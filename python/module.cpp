@@ -1,6 +1,5 @@
 // The compiled part of the Python module: conversions, and calls without the interpreter's lock.
 #include "numpy_arrays.h"
-
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
@@ -79,7 +78,8 @@ void read(const py::dict& from, const char* key, std::optional<Value>& to) {
 }
 
 template <typename Choice>
-void read_choice(const py::dict& from, const char* key, const std::map<std::string, Choice>& names, Choice& to) {
+void read_choice(const py::dict& from, const char* key, const std::map<std::string, Choice>& names,
+                 Choice& to) {
   if (!from.contains(key)) return;
   const auto name = from[key].cast<std::string>();
   const auto found = names.find(name);
@@ -230,7 +230,8 @@ Mesh mesh_from_arrays(const py::handle& positions, const py::handle& faces, cons
 
 /// The list as a view that keeps the mesh alive, or None when it is absent.
 template <typename List>
-py::object view_or_none(const py::object& self, const List& list, bool absent, py::array (*view)(const List&, py::handle)) {
+py::object view_or_none(const py::object& self, const List& list, bool absent,
+                        py::array (*view)(const List&, py::handle)) {
   if (absent) return py::none();
   return view(list, self);
 }
@@ -252,7 +253,8 @@ py::object faces_of(const py::object& self) {
 void bind_mesh(py::module_& m) {
   py::class_<Material>(m, "Material")
       .def(py::init([](std::string name, std::array<double, 4> color, std::string texture) {
-             return Material{std::move(name), Vec4(color[0], color[1], color[2], color[3]), std::move(texture)};
+             return Material{std::move(name), Vec4(color[0], color[1], color[2], color[3]),
+                             std::move(texture)};
            }),
            py::arg("name"), py::arg("base_color") = std::array<double, 4>{0.8, 0.8, 0.8, 1.0},
            py::arg("base_color_texture") = "")
@@ -267,7 +269,9 @@ void bind_mesh(py::module_& m) {
       .def_readonly("name", &RepairStep::name)
       .def_readonly("changed", &RepairStep::changed)
       .def_readonly("detail", &RepairStep::detail);
-  const auto soup_of = [](const py::object& self) -> const PolygonSoup& { return *self.cast<const Mesh&>().soup; };
+  const auto soup_of = [](const py::object& self) -> const PolygonSoup& {
+    return *self.cast<const Mesh&>().soup;
+  };
   py::class_<Mesh>(m, "Mesh")
       .def(py::init(&mesh_from_arrays), py::arg("positions"), py::arg("faces"), py::kw_only(),
            py::arg("corner_uvs") = py::none(), py::arg("corner_normals") = py::none(),
@@ -275,9 +279,11 @@ void bind_mesh(py::module_& m) {
            py::arg("materials") = std::vector<Material>{}, py::arg("feature_edges") = py::none())
       .def_property_readonly("n_vertices", [](const Mesh& mesh) { return mesh.soup->positions.size(); })
       .def_property_readonly("n_faces", [](const Mesh& mesh) { return mesh.soup->n_faces(); })
-      .def_property_readonly("positions", [=](const py::object& s) { return rows_of(soup_of(s).positions, s); })
+      .def_property_readonly("positions",
+                             [=](const py::object& s) { return rows_of(soup_of(s).positions, s); })
       .def_property_readonly("faces", &faces_of)
-      .def_property_readonly("face_offsets", [=](const py::object& s) { return items_of(soup_of(s).face_offsets, s); })
+      .def_property_readonly("face_offsets",
+                             [=](const py::object& s) { return items_of(soup_of(s).face_offsets, s); })
       .def_property_readonly("corner_vertices",
                              [=](const py::object& s) { return items_of(soup_of(s).corner_vertices, s); })
       .def_property_readonly("triangles",
@@ -414,9 +420,8 @@ PYBIND11_MODULE(_recede, m) {
   m.def("make_teapot", [](std::size_t quads_per_side, double relief) {
     return make_mesh(make_teapot(quads_per_side, relief));
   });
-  m.def("make_displaced_sphere", [](std::size_t faces, bool triangles) {
-    return make_mesh(make_displaced_sphere(faces, triangles));
-  });
+  m.def("make_displaced_sphere",
+        [](std::size_t faces, bool triangles) { return make_mesh(make_displaced_sphere(faces, triangles)); });
   m.def("set_threads", &set_threads);
 }
 

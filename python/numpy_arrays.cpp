@@ -43,7 +43,8 @@ Index to_index(std::int64_t value, const std::string& what, bool may_be_none) {
 }
 
 /// Throws for floats: 1.5 is no vertex.
-py::array_t<std::int64_t, py::array::c_style> read_integers(const py::handle& source, const std::string& what) {
+py::array_t<std::int64_t, py::array::c_style> read_integers(const py::handle& source,
+                                                            const std::string& what) {
   const py::array any = py::array::ensure(source);
   const char kind = any ? any.dtype().kind() : '?';
   if (!any || (any.size() > 0 && kind != 'i' && kind != 'u')) {

@@ -16,8 +16,8 @@ py::array rows_of(const std::vector<Vec3>& list, py::handle owner);
 py::array rows_of(const std::vector<Vec4>& list, py::handle owner);
 py::array items_of(const std::vector<Index>& list, py::handle owner);
 
-/// Rows of two, three or four numbers; anything that numpy takes for a float64 array. Throws `InputError` naming
-/// `what` when the shape is wrong.
+/// Rows of two, three or four numbers; anything that numpy takes for a float64 array. Throws `InputError`
+/// naming `what` when the shape is wrong.
 std::vector<Vec2> read_rows_of_2(const py::handle& source, const std::string& what);
 std::vector<Vec3> read_rows_of_3(const py::handle& source, const std::string& what);
 std::vector<Vec4> read_rows_of_4(const py::handle& source, const std::string& what);
