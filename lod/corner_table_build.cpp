@@ -407,7 +407,7 @@ bool TableBuilder::is_plain(Index p) const {
 /// Number of fans of faces around a point: its neighbours fall into that many sets when each corner joins
 /// the two beside it.
 std::size_t TableBuilder::count_fans(Scratch& scratch) const {
-  const auto& [neighbours, corners, ignored] = scratch;
+  const std::vector<Index>& neighbours = scratch.neighbours;
   std::vector<Index>& parents = scratch.parents;
   parents.resize(neighbours.size());
   std::iota(parents.begin(), parents.end(), Index{0});
@@ -418,7 +418,7 @@ std::size_t TableBuilder::count_fans(Scratch& scratch) const {
     return i;
   };
   std::size_t fans = neighbours.size();
-  for (const Index corner : corners) {
+  for (const Index corner : scratch.corners) {
     const Index x = root_of(table_.point_after(corner)), y = root_of(table_.point_before(corner));
     if (x == y) continue;
     parents[x] = y;

@@ -275,7 +275,7 @@ std::vector<HardCase> hard_cases() {
   add("zero_area_caps", with_caps(ball));
   add("duplicate_polygons", with_duplicates(ball));
   add("concave_polygons", concave_polygons());
-  add("prism_of_large_polygons", prism(400));
+  add("prism_of_large_polygons", prism(100));
   add("three_faces_at_an_edge", fins());
   add("bow_tie", bow_tie());
   add("wound_wrong", wound_wrong(1));
