@@ -1,4 +1,5 @@
 #include <recede/geometry/detail/bound_search.h>
+#include <recede/geometry/detail/edge_table.h>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -6,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace recede::detail {
 namespace {
@@ -58,35 +58,16 @@ namespace {
 /// For each side of each triangle (from corner s to the next) the triangle across it; k_no_index at borders
 /// and where more than two meet.
 std::vector<Index> triangles_across(const Surface& surface) {
-  const std::vector<Index>& corners = surface.triangles;
-  const auto next = [](Index side) { return side % 3 == 2 ? side - 2 : side + 1; };
-  // Sides grouped by their lower end.
-  std::vector<Index> start(surface.positions.size() + 1, 0);
-  const auto lower_end = [&](Index side) { return std::min(corners[side], corners[next(side)]); };
-  const auto upper_end = [&](Index side) { return std::max(corners[side], corners[next(side)]); };
-  for (Index side = 0; side < corners.size(); ++side) ++start[lower_end(side) + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<Index> sides(corners.size()), end(start.begin(), start.end() - 1);
-  for (Index side = 0; side < corners.size(); ++side) sides[end[lower_end(side)]++] = side;
-  std::vector<Index> across(corners.size(), k_no_index);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.positions.size(), 4096),
-                    [&](const auto& range) {
-                      for (std::size_t v = range.begin(); v < range.end(); ++v) {
-                        const auto first = sides.begin() + start[v], last = sides.begin() + start[v + 1];
-                        std::sort(first, last, [&](Index x, Index y) {
-                          return std::pair(upper_end(x), x) < std::pair(upper_end(y), y);
-                        });
-                        for (auto at = first; at != last;) {
-                          const auto after =
-                              std::find_if(at, last, [&](Index s) { return upper_end(s) != upper_end(*at); });
-                          if (after - at == 2) {
-                            across[at[0]] = at[1] / 3;
-                            across[at[1]] = at[0] / 3;
-                          }
-                          at = after;
-                        }
-                      }
-                    });
+  std::vector<Index> offsets(surface.n_triangles() + 1);
+  for (std::size_t t = 0; t < offsets.size(); ++t) offsets[t] = static_cast<Index>(3 * t);
+  const EdgeTable edges = build_edge_table(surface.positions.size(), surface.triangles, offsets);
+  std::vector<Index> across(surface.triangles.size(), k_no_index);
+  for (std::size_t e = 0; e < edges.n_edges(); ++e) {
+    const auto sides = edges.sides(e);
+    if (sides.size() != 2) continue;
+    across[sides[0]] = edges.corner_faces[sides[1]];
+    across[sides[1]] = edges.corner_faces[sides[0]];
+  }
   return across;
 }
 

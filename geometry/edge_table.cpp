@@ -12,21 +12,23 @@ struct Side {
 
 }  // namespace
 
-EdgeTable build_edge_table(const PolygonSoup& soup) {
+EdgeTable build_edge_table(std::size_t n_vertices, std::span<const Index> corner_vertices,
+                           std::span<const Index> face_offsets) {
   EdgeTable table;
-  const std::size_t n_corners = soup.n_corners();
+  const std::size_t n_corners = corner_vertices.size();
   table.corner_faces.resize(n_corners);
-  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
-    std::fill(table.corner_faces.begin() + soup.face_offsets[f],
-              table.corner_faces.begin() + soup.face_offsets[f + 1], static_cast<Index>(f));
+  for (std::size_t f = 0; f + 1 < face_offsets.size(); ++f) {
+    std::fill(table.corner_faces.begin() + face_offsets[f], table.corner_faces.begin() + face_offsets[f + 1],
+              static_cast<Index>(f));
   }
   // Counting sort of all sides by their lower vertex; each bucket is small and sorted by the upper one.
   const auto ends = [&](std::size_t corner) -> std::pair<Index, Index> {
-    const Index a = soup.corner_vertices[corner];
-    const Index b = soup.corner_vertices[next_corner(soup, table.corner_faces, static_cast<Index>(corner))];
+    const Index face = table.corner_faces[corner];
+    const std::size_t after = corner + 1 == face_offsets[face + 1] ? face_offsets[face] : corner + 1;
+    const Index a = corner_vertices[corner], b = corner_vertices[after];
     return std::minmax(a, b);
   };
-  std::vector<Index> bucket_ends(soup.positions.size() + 1, 0);
+  std::vector<Index> bucket_ends(n_vertices + 1, 0);
   for (std::size_t c = 0; c < n_corners; ++c) ++bucket_ends[ends(c).first + 1];
   for (std::size_t v = 1; v < bucket_ends.size(); ++v) bucket_ends[v] += bucket_ends[v - 1];
   std::vector<Index> bucket_fill(bucket_ends.begin(), bucket_ends.end() - 1);

@@ -93,13 +93,14 @@ SampledSide sampled_distance(const Surface& from, const Surface& to, std::size_t
   return result;
 }
 
-void check(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options) {
-  if (a.n_faces() == 0 || b.n_faces() == 0) {
-    throw InputError(std::string("the distance needs two surfaces, but the ") +
-                     (a.n_faces() == 0 ? "first" : "second") + " one has no faces");
+void check(const PolygonSoup& soup, const std::string& which) {
+  if (soup.n_faces() == 0) {
+    throw InputError("the distance needs two surfaces, but the " + which + " one has no faces");
   }
-  validate(a, "first surface");
-  validate(b, "second surface");
+  validate(soup, which + " surface");
+}
+
+void check(const DistanceOptions& options) {
   if (options.bound_tolerance && !(*options.bound_tolerance > 0 && *options.bound_tolerance < 1)) {
     throw OptionError("bound_tolerance must lie between 0 and 1");
   }
@@ -206,11 +207,6 @@ double diagonal_of(const Box3& box) {
   return largest > 0 ? 2 * largest * (half / largest).norm() : 0;
 }
 
-Box3 box_of_both(const PolygonSoup& a, const PolygonSoup& b) {
-  Box3 box = bounding_box(a);
-  return box.extend(bounding_box(b));
-}
-
 }  // namespace
 
 struct DistanceMeter::Measured {
@@ -221,13 +217,16 @@ struct DistanceMeter::Measured {
   Surface surface;
 };
 
-DistanceMeter::DistanceMeter(const PolygonSoup& reference)
-    : reference_(reference), measured_(reference.n_faces() > 0 ? new Measured(reference) : nullptr) {}
+DistanceMeter::DistanceMeter(const PolygonSoup& reference) {
+  check(reference, "first");
+  measured_ = std::make_unique<Measured>(reference);
+}
 DistanceMeter::~DistanceMeter() = default;
 
 MeshDistance DistanceMeter::to(const PolygonSoup& other, const DistanceOptions& options,
                                Progress* progress) const {
-  check(reference_, other, options);
+  check(other, "second");
+  check(options);
   report_progress(progress, "measure", 0);
   const Frame& frame = measured_->frame;
   Box3 both = measured_->box;
@@ -238,9 +237,12 @@ MeshDistance DistanceMeter::to(const PolygonSoup& other, const DistanceOptions& 
 
 MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options,
                               Progress* progress) {
-  check(a, b, options);
+  check(a, "first");
+  check(b, "second");
+  check(options);
   report_progress(progress, "measure", 0);
-  const Box3 both = box_of_both(a, b);
+  Box3 both = bounding_box(a);
+  both.extend(bounding_box(b));
   const Frame frame(both);
   return measure_in_frame(frame, frame.inside(a), frame.inside(b), diagonal_of(bounding_box(a)),
                           options.relative_floor * diagonal_of(both), options, progress);

@@ -50,7 +50,8 @@ struct MeshDistance {
 };
 
 /// Two-sided distance between two polygon surfaces. Polygons with more than three sides stand for the
-/// triangles of `triangulate`. Throws `InputError` when either has no faces. Same result for any number of
+/// triangles of `triangulate`. Throws `InputError` when either has no faces or
+/// positions that aren't finite. Same result for any number of
 /// threads.
 MeshDistance measure_distance(const PolygonSoup& a, const PolygonSoup& b, const DistanceOptions& options = {},
                               Progress* progress = nullptr);
@@ -60,7 +61,8 @@ MeshDistance measure_distance(const PolygonMesh& a, const PolygonMesh& b, const 
 /// Measures many surfaces against one, whose search tree is built once.
 class DistanceMeter {
  public:
-  /// `reference` must live as long as the meter.
+  /// Keeps what it needs of `reference`, which may go. Throws `InputError` when it has no faces or positions
+  /// that aren't finite.
   explicit DistanceMeter(const PolygonSoup& reference);
   ~DistanceMeter();
   DistanceMeter(const DistanceMeter&) = delete;
@@ -72,8 +74,7 @@ class DistanceMeter {
 
  private:
   struct Measured;
-  const PolygonSoup& reference_;
-  std::unique_ptr<Measured> measured_;  // none without faces
+  std::unique_ptr<Measured> measured_;
 };
 
 }  // namespace recede

@@ -62,7 +62,7 @@ Vec3 twice_vector_area(const CornerTable& table, Index face, Index moved_a, Inde
 EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second) {
   const PointClass a = table.classes[first], b = table.classes[second];
   EdgeFreedom freedom;
-  if (!table.held.empty() && (table.held[first] != 0 || table.held[second] != 0)) return freedom;
+  if (table.is_held(first, second)) return freedom;
   if (a == PointClass::smooth && b == PointClass::smooth) return {true, true, true, true};
   if (a != PointClass::smooth && b != PointClass::smooth) {
     // Both on lines: only along a line, and only if one of them may move along it.

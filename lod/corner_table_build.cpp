@@ -467,12 +467,10 @@ void TableBuilder::classify_points() {
 }  // namespace
 
 CornerTable build_corner_table(const PolygonSoup& soup, const CornerTableOptions& options) {
-  {
-    TableBuilder builder(soup, options);
-    if (!builder.visits_a_point_twice()) return builder.build();
-  }
+  TableBuilder builder(soup, options);
+  if (!builder.visits_a_point_twice()) return builder.build();
   // Rare: the faces are mended on a copy, whose vertices keep their numbers.
-  const std::vector<Index> representatives = TableBuilder(soup, options).representatives();
+  const std::vector<Index> representatives = builder.representatives();
   PolygonSoup mended = soup;
   for (Index& v : mended.corner_vertices) v = representatives[v];
   remove_degenerate_faces(mended);

@@ -45,8 +45,9 @@ LimitCheck ErrorProof::check(const PolygonSoup& simplified, double limit, Progre
 ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
                               const std::vector<Vec3>& source_positions, ErrorProof& proof,
                               Progress* progress) {
-  constexpr int k_runs = 8, k_careful_runs = 3;  // the last runs aim lower each time, so that one succeeds
-  constexpr double k_close = 0.8;                // share of the limit that is near enough
+  // Runs to come near the limit; if none of them kept it, some more that aim lower each time.
+  constexpr int k_runs = 8, k_careful_runs = 12;
+  constexpr double k_close = 0.8;  // share of the limit that is near enough
   constexpr double k_many = 0.02;  // share of the faces beyond the limit that is too many to hold
   constexpr double k_raise = 1.5, k_lower = 0.5;
   const double scale = simplifier.table().scale;
@@ -54,13 +55,15 @@ ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
   double estimate = limit;
   ProvedRun result;
   Simplifier::State best = simplifier.state();
-  for (int run = 0; run < k_runs; ++run) {
+  bool kept = false;
+  for (int run = 0; run < (kept ? k_runs : k_runs + k_careful_runs); ++run) {
     Limits estimated = limits;
     estimated.error = estimate / scale;
     const StopReason why = simplifier.run(estimated, progress);
     const PolygonSoup reached = to_soup(simplifier.table(), source_positions);
     const LimitCheck check = proof.check(reached, limit, progress);
     if (check.beyond.empty()) {
+      kept = true;
       best = simplifier.state();
       result = {why, limit};
       if (why != StopReason::error_target || check.lower >= k_close * limit) break;
@@ -69,7 +72,7 @@ ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
     }
     simplifier.restore(best);
     const auto most = static_cast<std::size_t>(k_many * static_cast<double>(reached.n_faces()));
-    if (check.beyond.size() > most || run + k_careful_runs >= k_runs) estimate *= k_lower;
+    if (check.beyond.size() > most || (!kept && run >= k_runs)) estimate *= k_lower;
     simplifier.hold(check.beyond);
     best.table.held = simplifier.table().held;
   }

@@ -118,11 +118,13 @@ class HierarchyBuilder {
     level.simplify_seconds = result.seconds + result.proof_seconds;
     level.stop_reason = to_string(result.reason);
     const auto start = Clock::now();
-    const MeshDistance distance = meter_.to(to_soup(result.mesh), options_.measure, progress);
+    DistanceOptions measure = options_.measure;
+    if (result.error_bound) measure.bound_tolerance.reset();  // it is proved already
+    const MeshDistance distance = meter_.to(to_soup(result.mesh), measure, progress);
     level.measure_seconds = seconds_since(start);
-    // Two proofs of one error: the narrower one holds.
-    level.error = {distance.max, distance.rms,
-                   std::min(*distance.max_bound, result.error_bound.value_or(*distance.max_bound))};
+    const double bound = result.error_bound ? *result.error_bound : *distance.max_bound;
+    // A sample may come out above a bound of zero by rounding.
+    level.error = {distance.max, distance.rms, std::max(bound, distance.max)};
     level.mesh = std::move(result.mesh);
     return level;
   }

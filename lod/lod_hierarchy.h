@@ -60,8 +60,8 @@ struct HierarchyOptions {
 };
 
 /// Builds and measures the levels, each from the one before. With `errors` or `distances`, each level keeps
-/// its limit by proof (see `SimplifyTarget::error`); one that no simplification keeps gives a copy of the
-/// level before. Throws `OptionError` for options out of range.
+/// its limit by proof (see `SimplifyTarget::error`); where no coarser mesh was found that does, it is the
+/// level before once more. Throws `OptionError` for options out of range.
 LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
                              const HierarchyOptions& options, Progress* progress = nullptr);
 

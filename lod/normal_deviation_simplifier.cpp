@@ -239,6 +239,8 @@ void NormalDeviationSimplifier::rank_all_edges() {
   for (Index e = 0; e < edges_.size(); ++e) {
     if (costs_[e].cost < most)
       ranked_->set(e, costs_[e].rank);
+    else if (table_.is_held(edges_[e].first, edges_[e].second))
+      ++counts_.refused[Refusal::error];
     else if (costs_[e].cost <= 2)
       ++counts_.refused[Refusal::deviation];
     else

@@ -51,7 +51,8 @@ struct SimplifyTarget {
   std::optional<std::size_t> faces{};     ///< at most this many faces
   std::optional<std::size_t> vertices{};  ///< at most this many vertices
   std::optional<double> ratio{};          ///< at most this share of the input's faces, 0 to 1
-  std::optional<double> error{};          ///< the error is at most this, object units
+  std::optional<double> error{};          ///< the error is at most this, object units; less than 1e-12 of the
+                                          ///< diagonal counts as that much
   std::optional<double>
       relative_error{};  ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
 };

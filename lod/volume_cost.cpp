@@ -54,15 +54,8 @@ PointMatrix point_matrix(const CornerTable& table, Index point, double scale) {
     const Vec3 after = scale * (table.positions[table.point_after(corner)] - at),
                before = scale * (table.positions[table.point_before(corner)] - at);
     const Eigen::Vector3f n = after.cross(before).cast<float>();
-    m.xx += n.x() * n.x();
-    m.xy += n.x() * n.y();
-    m.xz += n.x() * n.z();
-    m.yy += n.y() * n.y();
-    m.yz += n.y() * n.z();
-    m.zz += n.z() * n.z();
-    m.x += n.x();
-    m.y += n.y();
-    m.z += n.z();
+    m.squares.add_square(n);
+    m.sum += n;
   }
   return m;
 }
@@ -70,58 +63,37 @@ PointMatrix point_matrix(const CornerTable& table, Index point, double scale) {
 float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix& a, const PointMatrix& b,
                        double scale, VertexPlacement placement) {
   const Eigen::Vector3f half = (0.5 * scale * (second - first)).cast<float>();
-  const float hx = half.x(), hy = half.y(), hz = half.z();
-  const float trace = a.xx + a.yy + a.zz + b.xx + b.yy + b.zz;
+  const float trace = a.squares.trace() + b.squares.trace();
   if (!(trace > 0)) return 0;
-  const float unit = 1 / trace;
-  const auto form = [](float xx, float xy, float xz, float yy, float yz, float zz, float x, float y,
-                       float z) {
-    return x * (xx * x + 2 * (xy * y + xz * z)) + y * (yy * y + 2 * yz * z) + zz * z * z;
-  };
-  // The sum of both matrices, and what pulls towards the ends: the second's less the first's, times half the
-  // edge.
-  const float xx = unit * (a.xx + b.xx), xy = unit * (a.xy + b.xy), xz = unit * (a.xz + b.xz);
-  const float yy = unit * (a.yy + b.yy), yz = unit * (a.yz + b.yz), zz = unit * (a.zz + b.zz);
-  const float squared_half = hx * hx + hy * hy + hz * hz;
+  const float squared_half = half.squaredNorm();
   const float length_cost = trace * static_cast<float>(k_length_weight) * squared_half;
   if (placement == VertexPlacement::half_edge) {
-    const float to_first = form(b.xx, b.xy, b.xz, b.yy, b.yz, b.zz, hx, hy, hz),
-                to_second = form(a.xx, a.xy, a.xz, a.yy, a.yz, a.zz, hx, hy, hz);
-    return 4 * std::max(0.0f, std::min(to_first, to_second)) + length_cost;
+    const float to_an_end = 4 * std::min(b.squares.form(half), a.squares.form(half));
+    return std::max(0.0f, to_an_end) + length_cost;
   }
-  const float at_middle = form(xx, xy, xz, yy, yz, zz, hx, hy, hz);
-  if (placement == VertexPlacement::midpoint) return trace * std::max(0.0f, at_middle) + length_cost;
-  const float dxx = unit * (b.xx - a.xx), dxy = unit * (b.xy - a.xy), dxz = unit * (b.xz - a.xz);
-  const float dyy = unit * (b.yy - a.yy), dyz = unit * (b.yz - a.yz), dzz = unit * (b.zz - a.zz);
-  const float px = dxx * hx + dxy * hy + dxz * hz, py = dxy * hx + dyy * hy + dyz * hz,
-              pz = dxz * hx + dyz * hy + dzz * hz;
-  const float gx = a.x + b.x, gy = a.y + b.y, gz = a.z + b.z;
-  const float volume = (b.x - a.x) * hx + (b.y - a.y) * hy + (b.z - a.z) * hz;
-  // Inverse of the regularised sum, up to its determinant, by cofactors.
-  const float rxx = xx + k_rank_regularization, ryy = yy + k_rank_regularization,
-              rzz = zz + k_rank_regularization;
-  const float ixx = ryy * rzz - yz * yz, ixy = xz * yz - xy * rzz, ixz = xy * yz - xz * ryy;
-  const float iyy = rxx * rzz - xz * xz, iyz = xy * xz - rxx * yz, izz = rxx * ryy - xy * xy;
-  const float determinant = rxx * ixx + xy * ixy + xz * ixz;
-  if (!(determinant > 0)) return trace * std::max(0.0f, at_middle) + length_cost;
-  const float inverse = 1 / determinant;
-  float x = inverse * (ixx * px + ixy * py + ixz * pz), y = inverse * (ixy * px + iyy * py + iyz * pz),
-        z = inverse * (ixz * px + iyz * py + izz * pz);
-  const float wx = ixx * gx + ixy * gy + ixz * gz, wy = ixy * gx + iyy * gy + iyz * gz,
-              wz = ixz * gx + iyz * gy + izz * gz;
-  const float slope = gx * wx + gy * wy + gz * wz;
-  if (slope > 0) {
-    const float step = (volume - gx * x - gy * y - gz * z) / slope;
-    x += step * wx;
-    y += step * wy;
-    z += step * wz;
-  }
+  // All relative to the middle of the edge, and to the trace.
+  const SymmetricMatrix sum = a.squares.combined(b.squares, 1, 1 / trace);
+  const float at_middle = sum.form(half);
+  const float middle_cost = trace * std::max(0.0f, at_middle) + length_cost;
+  if (placement == VertexPlacement::midpoint) return middle_cost;
+  const Eigen::Vector3f pull = b.squares.combined(a.squares, -1, 1 / trace).times(half);
+  const Eigen::Vector3f normal = a.sum + b.sum;
+  const float volume = (b.sum - a.sum).dot(half);
+  SymmetricMatrix regular = sum;
+  regular.xx += k_rank_regularization;
+  regular.yy += k_rank_regularization;
+  regular.zz += k_rank_regularization;
+  float determinant = 0;
+  const SymmetricMatrix adjugate = regular.adjugate(determinant);
+  if (!(determinant > 0)) return middle_cost;
+  Eigen::Vector3f place = adjugate.times(pull) / determinant;
+  // Along `way` to where the volume stays.
+  const Eigen::Vector3f way = adjugate.times(normal);
+  const float slope = normal.dot(way);
+  if (slope > 0) place += (volume - normal.dot(place)) / slope * way;
   constexpr auto k_most = static_cast<float>(4 * k_reach * k_reach);
-  if (!(x * x + y * y + z * z <= k_most * squared_half)) {
-    return trace * std::max(0.0f, at_middle) + length_cost;
-  }
-  const float cost = form(xx, xy, xz, yy, yz, zz, x, y, z) - 2 * (px * x + py * y + pz * z) + at_middle;
-  return trace * std::max(0.0f, cost) + length_cost;
+  if (!(place.squaredNorm() <= k_most * squared_half)) return middle_cost;
+  return trace * std::max(0.0f, sum.form(place) - 2 * pull.dot(place) + at_middle) + length_cost;
 }
 
 void CollapsePlanner::add_triangle(const Vec3& at, const Vec3& before, const Vec3& after) {

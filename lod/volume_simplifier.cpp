@@ -17,6 +17,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace recede::detail {
 namespace {
@@ -48,14 +49,14 @@ float cost_of(Candidate candidate) {
 }
 Index corner_of(Candidate candidate) { return static_cast<Index>(candidate); }
 
-/// Counts of costs by their leading bits: bins of a twelfth of an octave or less.
+/// Counts of costs by their leading bits: sixteen bins for each power of two.
 class CostHistogram {
  public:
   void add(float cost) { ++counts_[bin(cost)]; }
   void merge(const CostHistogram& other) {
     for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
   }
-  /// A cost that at most `wanted` are below; when `at_least`, one that no fewer are below.
+  /// A cost below which `wanted` are or, as bins allow, fewer; when `at_least`, more.
   float limit(std::size_t wanted, bool at_least) const {
     std::size_t below = 0;
     for (std::size_t i = 0; i < counts_.size(); ++i) {
@@ -154,8 +155,8 @@ void VolumeSimplifier::start_pass() {
   rank_scale_ = std::sqrt(static_cast<double>(std::max<std::size_t>(table_.n_faces(), 1)));
 }
 
+/// Negative for an edge that must stay.
 float VolumeSimplifier::rank_edge(Workbench& bench, Index p, Index q) const {
-  if (!table_.held.empty() && (table_.held[p] != 0 || table_.held[q] != 0)) return -1;
   if (table_.classes[p] == PointClass::smooth && table_.classes[q] == PointClass::smooth) {
     return rank_smooth_edge(table_.positions[p], table_.positions[q], matrices_[p], matrices_[q], rank_scale_,
                             options_.placement);
@@ -172,6 +173,10 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p, std::
   seen.clear();
   const bool smooth = table_.classes[p] == PointClass::smooth;
   const auto add = [&](Index corner, Index q) {
+    if (table_.is_held(p, q)) {
+      ++patch.counts.refused[Refusal::error];
+      return;
+    }
     float cost = rank_edge(bench, p, q);
     if (cost < 0) {
       ++patch.counts.refused[Refusal::border];

@@ -19,7 +19,11 @@ struct EdgeTable {
 };
 
 /// Edges are numbered by their lower vertex, then by their upper one.
-EdgeTable build_edge_table(const PolygonSoup& soup);
+EdgeTable build_edge_table(std::size_t n_vertices, std::span<const Index> corner_vertices,
+                           std::span<const Index> face_offsets);
+inline EdgeTable build_edge_table(const PolygonSoup& soup) {
+  return build_edge_table(soup.positions.size(), soup.corner_vertices, soup.face_offsets);
+}
 
 /// The corner after `corner` in its face.
 inline Index next_corner(const PolygonSoup& soup, const std::vector<Index>& corner_faces, Index corner) {

@@ -89,6 +89,7 @@ struct CornerTable {
   Index face(Index corner) const { return has_polygons ? corner_face[corner] : corner / 3; }
   Index face_size(Index of_face) const { return has_polygons ? loop_size[of_face] : 3; }
   Index face_corner(Index of_face) const { return has_polygons ? loop_start[of_face] : 3 * of_face; }
+  bool is_held(Index a, Index b) const { return !held.empty() && (held[a] != 0 || held[b] != 0); }
   Index sides(Index of_face) const { return double_sided.empty() ? 1 : 1 + double_sided[of_face]; }
   bool is_alive(Index corner) const { return point[corner] != k_no_index; }
   bool is_face_alive(Index of_face) const {

@@ -49,7 +49,8 @@ struct ProvedRun {
 
 /// Simplifies as far as the proved error keeps `limits.error`, here the true two-sided distance in table
 /// units: a few runs that stop at an estimate. Where one went beyond the limit, the next holds the surface;
-/// when that is in many places, it stops earlier. The last run that kept the limit is restored.
+/// when that is in many places, it stops earlier. The last run that kept the limit is restored; when none
+/// did, the state from before.
 ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
                               const std::vector<Vec3>& source_positions, ErrorProof& proof,
                               Progress* progress);

@@ -16,11 +16,45 @@
 
 namespace recede::detail {
 
+/// A symmetric matrix in single precision; six numbers instead of nine.
+struct SymmetricMatrix {
+  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+  float trace() const { return xx + yy + zz; }
+  Eigen::Vector3f times(const Eigen::Vector3f& v) const {
+    return {xx * v.x() + xy * v.y() + xz * v.z(), xy * v.x() + yy * v.y() + yz * v.z(),
+            xz * v.x() + yz * v.y() + zz * v.z()};
+  }
+  /// v . M v
+  float form(const Eigen::Vector3f& v) const { return v.dot(times(v)); }
+  /// Adds v v^T.
+  void add_square(const Eigen::Vector3f& v) {
+    xx += v.x() * v.x();
+    xy += v.x() * v.y();
+    xz += v.x() * v.z();
+    yy += v.y() * v.y();
+    yz += v.y() * v.z();
+    zz += v.z() * v.z();
+  }
+  /// scale * (this + sign * other)
+  SymmetricMatrix combined(const SymmetricMatrix& other, float sign, float scale) const {
+    return {scale * (xx + sign * other.xx), scale * (xy + sign * other.xy), scale * (xz + sign * other.xz),
+            scale * (yy + sign * other.yy), scale * (yz + sign * other.yz), scale * (zz + sign * other.zz)};
+  }
+  /// The inverse times the determinant, which goes to `determinant`.
+  SymmetricMatrix adjugate(float& determinant) const {
+    const SymmetricMatrix result{yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,
+                                 xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy};
+    determinant = xx * result.xx + xy * result.xy + xz * result.xz;
+    return result;
+  }
+};
+
 /// The sum of n n^T over the triangles around a point, and the sum of n: enough for the cost of an edge,
 /// because all triangles pass through the point. Float is enough to rank, as all is relative to the point.
 struct PointMatrix {
-  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  float x = 0, y = 0, z = 0;
+  SymmetricMatrix squares;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
 };
 
 /// `scale` multiplies lengths; about one over an edge's length keeps the numbers near 1.

@@ -1,0 +1,84 @@
+#include <recede/geometry/closest_point.h>
+#include <recede/lod/detail/simplifier.h>
+
+#include <algorithm>
+
+namespace recede::detail {
+
+double Simplifier::fraction_done(const Limits& limits) const {
+  double done = 0;
+  const auto share = [](std::size_t start, std::size_t now, std::size_t goal) {
+    return start > goal ? static_cast<double>(start - now) / static_cast<double>(start - goal) : 1.0;
+  };
+  if (limits.faces > 0) done = std::max(done, share(start_faces_, table_.n_alive_faces, limits.faces));
+  if (limits.vertices > 0)
+    done = std::max(done, share(start_points_, table_.n_alive_points, limits.vertices));
+  if (limits.faces == 0 && limits.vertices == 0) done = share(start_faces_, table_.n_alive_faces, 0);
+  return std::clamp(done, 0.0, 1.0);
+}
+
+void RunCounts::add(const CollapseEffect& effect) {
+  ++collapses;
+  if (effect.edge_faces == 2) ++interior_collapses;
+  removed_faces += effect.removed_faces;
+  lost_sides += effect.lost_sides;
+}
+
+void RunCounts::add(const RunCounts& other) {
+  collapses += other.collapses;
+  interior_collapses += other.interior_collapses;
+  removed_faces += other.removed_faces;
+  lost_sides += other.lost_sides;
+  passes += other.passes;
+  error = std::max(error, other.error);
+  for (std::size_t i = 0; i < refused.counts.size(); ++i) refused.counts[i] += other.refused.counts[i];
+}
+
+void Simplifier::count(const RunCounts& counts) {
+  counts_.add(counts);
+  table_.n_alive_faces -= counts.removed_faces;
+  table_.n_alive_points -= counts.collapses;
+}
+
+void Simplifier::hold(const std::vector<Vec3>& places) {
+  std::vector<Index> ears;
+  for (Index f = 0; f < table_.n_faces(); ++f) {
+    if (!table_.is_face_alive(f)) continue;
+    const Index start = table_.face_corner(f);
+    for (Index c = table_.next(start); table_.next(c) != start; c = table_.next(c)) {
+      ears.insert(ears.end(), {table_.point[start], table_.point[c], table_.point_after(c)});
+    }
+  }
+  if (ears.empty()) return;
+  const std::vector<Vec3> positions(table_.positions.begin(), table_.positions.end());
+  const ClosestPointTree tree(positions, ears);
+  table_.held.resize(table_.n_points(), 0);
+  const auto hold_around = [&](Index p) {
+    table_.held[p] = 1;
+    table_.each_corner(
+        p, [&](Index c) { table_.held[table_.point_after(c)] = table_.held[table_.point_before(c)] = 1; });
+  };
+  Index near = k_no_index;
+  for (const Vec3& place : places) {
+    near = tree.closest((place - table_.origin) / table_.scale, near).triangle;
+    for (Index i = 0; i < 3; ++i) hold_around(ears[3 * near + i]);
+  }
+}
+
+StopReason Simplifier::run(const Limits& limits, Progress* progress) {
+  start_faces_ = table_.n_alive_faces;
+  start_points_ = table_.n_alive_points;
+  const auto refused_for_error = [&] { return counts_.refused[Refusal::error]; };
+  report_progress(progress, "simplify", 0);
+  while (!reached(limits)) {
+    const std::size_t refused_before = refused_for_error();
+    if (pass(limits, progress) == 0) {
+      return refused_for_error() > refused_before ? StopReason::error_target : StopReason::no_collapse_left;
+    }
+    report_progress(progress, "simplify", fraction_done(limits));
+  }
+  const bool by_faces = limits.faces > 0 && table_.n_alive_faces <= limits.faces;
+  return by_faces ? StopReason::face_target : StopReason::vertex_target;
+}
+
+}  // namespace recede::detail
