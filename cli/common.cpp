@@ -102,12 +102,33 @@ void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& f
       ->group(group);
   command.add_flag("--lock-borders", options.lock_borders, "leave border vertices where they are")
       ->group(group);
+  command
+      .add_option("--join-distance", options.join_distance,
+                  "volume: parts may grow together where they are this near, object units; 0: never")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command
+      .add_flag("--drop-parts", options.drop_parts,
+                "drop parts that are no farther from the rest than the surface is off anyway")
+      ->group(group);
   const auto add_switch_off = [&](const char* name, bool& option, const char* help) {
     command
         .add_flag_callback(
             name, [&option] { option = false; }, help)
         ->group(group);
   };
+  const auto add_weight = [&](const char* name, double& weight, const char* help) {
+    command.add_option(name, weight, help)->check(CLI::NonNegativeNumber)->group(group);
+  };
+  add_weight("--uv-weight", options.weights.uv,
+             "volume: what a change of texture coordinates by 1 costs, as a share of the longest side (0.1)");
+  add_weight("--normal-weight", options.weights.normal, "the same for normals (0.003)");
+  add_weight("--color-weight", options.weights.color, "the same for vertex colours (0.01)");
+  command
+      .add_option("--scalar-weight", options.weights.scalars,
+                  "the same for a named scalar of the vertices (0); may be repeated")
+      ->group(group)
+      ->option_text("NAME WEIGHT");
   add_switch_off("--ignore-uv-seams", options.keep_uv_seams, "let texture seams move freely");
   add_switch_off("--ignore-normal-seams", options.keep_normal_seams, "let normal seams move freely");
   add_switch_off("--ignore-polygons", options.keep_polygons,

@@ -30,6 +30,7 @@ Json to_json(const MeshSummary& summary, const PolygonMesh& mesh) {
           {"corner_uvs", mesh.has_corner_uvs()},
           {"corner_normals", mesh.has_corner_normals()},
           {"vertex_colors", mesh.has_vertex_colors()},
+          {"vertex_scalars", mesh.vertex_scalar_names()},
           {"materials", materials}};
 }
 
@@ -41,6 +42,7 @@ std::string attribute_names(const PolygonMesh& mesh) {
   add(mesh.has_corner_uvs(), "texture coordinates");
   add(mesh.has_corner_normals(), "normals");
   add(mesh.has_vertex_colors(), "vertex colours");
+  for (const std::string& name : mesh.vertex_scalar_names()) add(true, name.c_str());
   add(mesh.has_face_materials(), "materials");
   add(mesh.has_feature_edges(), "feature edges");
   return names.empty() ? "none" : names;

@@ -25,6 +25,9 @@ Json to_json(const SimplifyCommandOptions& options, const SimplifyResult& result
                    {"vertices_before", result.vertices_before},
                    {"vertices", result.vertices_after},
                    {"collapses", result.collapses},
+                   {"joined", result.joined},
+                   {"dropped_parts", result.dropped_parts},
+                   {"dropped_faces", result.dropped_faces},
                    {"passes", result.passes},
                    {"stop_reason", to_string(result.reason)},
                    {"refused", refused_to_json(result.refused)},
@@ -58,6 +61,10 @@ void print_text(const SimplifyCommandOptions& options, const SimplifyResult& res
                 const std::optional<MeshDistance>& d, double diagonal) {
   fmt::print("faces        {} -> {}\n", result.faces_before, result.faces_after);
   fmt::print("vertices     {} -> {}\n", result.vertices_before, result.vertices_after);
+  if (result.joined > 0) fmt::print("joined       {} pairs of points of different parts\n", result.joined);
+  if (result.dropped_parts > 0) {
+    fmt::print("dropped      {} parts of {} faces\n", result.dropped_parts, result.dropped_faces);
+  }
   if (d) {
     fmt::print("error max    {}, sampled\n", length_text(d->max, diagonal));
     fmt::print("error bound  {}, certified\n", length_text(result.error_bound.value_or(d->max), diagonal));

@@ -126,22 +126,10 @@ Index ClosestPointTree::build(std::vector<Index>& order, const std::vector<Vec3>
   return index;
 }
 
-void ClosestPointTree::test_leaf(const Vec3& p, Index leaf, Hit& best) const {
-  const Index first = leaf & k_leaf_first_mask;
-  const Index count = (leaf & ~k_leaf_bit) >> k_leaf_count_shift;
-  for (Index i = first; i < first + count; ++i) {
-    const Vec3 point = closest_point_on_triangle(p, triangles_[i]);
-    const double distance = (point - p).squaredNorm();
-    if (distance < best.squared_distance) best = {distance, number_[i], point};
-  }
-}
-
-ClosestPointTree::Hit ClosestPointTree::closest(const Vec3& p, Index hint) const {
-  Hit best;
-  if (hint != k_no_index) {
-    const Vec3 point = closest_point_on_triangle(p, triangle(hint));
-    best = {(point - p).squaredNorm(), hint, point};
-  }
+/// Visits subtrees nearest first and keeps the best hit. `may_enter(node)` and `may_test(place of a
+/// triangle)` leave parts of the tree out.
+template <typename MayEnter, typename MayTest>
+void ClosestPointTree::descend(const Vec3& p, Hit& best, MayEnter&& may_enter, MayTest&& may_test) const {
   struct Pending {
     Index node;
     double distance;
@@ -153,9 +141,17 @@ ClosestPointTree::Hit ClosestPointTree::closest(const Vec3& p, Index hint) const
     const Pending pending = stack[--top];
     if (pending.distance >= best.squared_distance) continue;
     if ((pending.node & k_leaf_bit) != 0) {
-      test_leaf(p, pending.node, best);
+      const Index first = pending.node & k_leaf_first_mask;
+      const Index count = (pending.node & ~k_leaf_bit) >> k_leaf_count_shift;
+      for (Index i = first; i < first + count; ++i) {
+        if (!may_test(i)) continue;
+        const Vec3 point = closest_point_on_triangle(p, triangles_[i]);
+        const double distance = (point - p).squaredNorm();
+        if (distance < best.squared_distance) best = {distance, number_[i], point};
+      }
       continue;
     }
+    if (!may_enter(pending.node)) continue;
     const Node& node = nodes_[pending.node];
     const double left = squared_distance_to_box(p, node.lower[0], node.upper[0]);
     const double right = squared_distance_to_box(p, node.lower[1], node.upper[1]);
@@ -164,6 +160,50 @@ ClosestPointTree::Hit ClosestPointTree::closest(const Vec3& p, Index hint) const
     if (far_distance < best.squared_distance) stack[top++] = {node.child[1 - near], far_distance};
     stack[top++] = {node.child[near], near == 1 ? right : left};
   }
+}
+
+ClosestPointTree::Hit ClosestPointTree::closest(const Vec3& p, Index hint) const {
+  Hit best;
+  if (hint != k_no_index) {
+    const Vec3 point = closest_point_on_triangle(p, triangle(hint));
+    best = {(point - p).squaredNorm(), hint, point};
+  }
+  const auto always = [](Index) { return true; };
+  descend(p, best, always, always);
+  return best;
+}
+
+void ClosestPointTree::set_labels(const std::vector<Index>& labels) {
+  labels_.resize(triangles_.size());
+  for (std::size_t i = 0; i < labels_.size(); ++i) labels_[i] = labels[number_[i]];
+  node_labels_.resize(nodes_.size());
+  // Children stand behind their parents.
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Index common = k_no_index;
+    bool several = false;
+    const auto add = [&](Index label) {
+      several = several || label == k_no_index || (common != k_no_index && common != label);
+      common = label;
+    };
+    for (const Index child : nodes_[n].child) {
+      if ((child & k_leaf_bit) == 0) {
+        add(node_labels_[child]);
+        continue;
+      }
+      const Index first = child & k_leaf_first_mask, count = (child & ~k_leaf_bit) >> k_leaf_count_shift;
+      for (Index i = first; i < first + count; ++i) add(labels_[i]);
+    }
+    node_labels_[n] = several ? k_no_index : common;
+  }
+}
+
+ClosestPointTree::Hit ClosestPointTree::closest_of_others(const Vec3& p, Index label,
+                                                          double squared_limit) const {
+  Hit best;
+  best.squared_distance = squared_limit;
+  descend(
+      p, best, [&](Index node) { return node_labels_[node] != label; },
+      [&](Index i) { return labels_[i] != label; });
   return best;
 }
 

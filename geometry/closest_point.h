@@ -32,6 +32,12 @@ class ClosestPointTree {
   /// among equally near triangles the result may depend on it, the distance never does.
   Hit closest(const Vec3& p, Index hint = k_no_index) const;
 
+  /// Gives every triangle a label, in the order of the list given to the constructor.
+  void set_labels(const std::vector<Index>& labels);
+  /// The nearest point of a triangle with another label, nearer than the square root of `squared_limit`; a
+  /// hit without a triangle when there is none.
+  Hit closest_of_others(const Vec3& p, Index label, double squared_limit) const;
+
   Triangle triangle(Index number) const { return triangles_[place_[number]]; }
   std::size_t size() const { return triangles_.size(); }
 
@@ -46,12 +52,15 @@ class ClosestPointTree {
 
   Index build(std::vector<Index>& order, const std::vector<Vec3>& centers, std::size_t first,
               std::size_t last, Box3& box, int depth);
-  void test_leaf(const Vec3& p, Index leaf, Hit& best) const;
+  template <typename MayEnter, typename MayTest>
+  void descend(const Vec3& p, Hit& best, MayEnter&& may_enter, MayTest&& may_test) const;
 
   std::vector<Triangle> triangles_;  // in the order of the leaves
   std::vector<Index> number_;        // of each in the list given
   std::vector<Index> place_;         // inverse of number_
   std::vector<Node> nodes_;
+  std::vector<Index> labels_;       // in the order of the leaves; empty: none
+  std::vector<Index> node_labels_;  // that of all triangles below a node, k_no_index: several
 };
 
 }  // namespace recede

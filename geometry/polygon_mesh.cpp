@@ -19,6 +19,11 @@ void PolygonMesh::add_corner_normals() {
 void PolygonMesh::add_vertex_colors() {
   if (!has_vertex_colors()) add_property(vertex_color_, "vertex:color");
 }
+std::size_t PolygonMesh::add_vertex_scalar(std::string name) {
+  add_property(vertex_scalars_.emplace_back(), "vertex:" + name);
+  vertex_scalar_names_.push_back(std::move(name));
+  return vertex_scalars_.size() - 1;
+}
 void PolygonMesh::add_face_materials() {
   if (!has_face_materials()) add_property(face_material_, "face:material");
 }
@@ -110,6 +115,9 @@ RepairStep split_non_manifold(PolygonSoup& soup) {
         fan_vertex[c] = static_cast<Index>(soup.positions.size());
         soup.positions.push_back(Vec3(soup.positions[vertex]));
         if (!soup.vertex_colors.empty()) soup.vertex_colors.push_back(Vec4(soup.vertex_colors[vertex]));
+        for (VertexScalar& scalar : soup.vertex_scalars) {
+          scalar.values.push_back(double{scalar.values[vertex]});
+        }
         ++step.changed;
       }
     }
@@ -231,6 +239,11 @@ class MeshBuilder {
       for (const auto v : mesh_.vertices())
         mesh_.vertex_color(v) = soup_.vertex_colors[static_cast<std::size_t>(v.idx())];
     }
+    for (const VertexScalar& scalar : soup_.vertex_scalars) {
+      const std::size_t number = mesh_.add_vertex_scalar(scalar.name);
+      for (const auto v : mesh_.vertices())
+        mesh_.vertex_scalar(number, v) = scalar.values[static_cast<std::size_t>(v.idx())];
+    }
     if (!soup_.face_materials.empty()) {
       mesh_.add_face_materials();
       for (const auto f : mesh_.faces())
@@ -309,6 +322,11 @@ PolygonSoup to_soup(const PolygonMesh& mesh) {
   }
   if (mesh.has_vertex_colors()) {
     for (const auto v : mesh.vertices()) soup.vertex_colors.push_back(mesh.vertex_color(v));
+  }
+  for (std::size_t i = 0; i < mesh.vertex_scalar_names().size(); ++i) {
+    VertexScalar& scalar = soup.vertex_scalars.emplace_back();
+    scalar.name = mesh.vertex_scalar_names()[i];
+    for (const auto v : mesh.vertices()) scalar.values.push_back(mesh.vertex_scalar(i, v));
   }
   if (mesh.has_feature_edges()) {
     for (const auto e : mesh.edges()) {

@@ -45,6 +45,15 @@ class PolygonMesh : public OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits> {
   const Vec4& vertex_color(VertexHandle v) const { return property(vertex_color_, v); }
   Vec4& vertex_color(VertexHandle v) { return property(vertex_color_, v); }
 
+  /// Named numbers at the vertices, in the order in which they were added.
+  const std::vector<std::string>& vertex_scalar_names() const { return vertex_scalar_names_; }
+  /// Returns its number for `vertex_scalar`.
+  std::size_t add_vertex_scalar(std::string name);
+  double vertex_scalar(std::size_t number, VertexHandle v) const {
+    return property(vertex_scalars_[number], v);
+  }
+  double& vertex_scalar(std::size_t number, VertexHandle v) { return property(vertex_scalars_[number], v); }
+
   bool has_face_materials() const { return face_material_.is_valid(); }
   void add_face_materials();
   /// Position in `materials`; `k_no_index` where a face has none.
@@ -63,6 +72,8 @@ class PolygonMesh : public OpenMesh::PolyMesh_ArrayKernelT<PolygonMeshTraits> {
   OpenMesh::HPropHandleT<Vec2> corner_uv_;
   OpenMesh::HPropHandleT<Vec3> corner_normal_;
   OpenMesh::VPropHandleT<Vec4> vertex_color_;
+  std::vector<std::string> vertex_scalar_names_;
+  std::vector<OpenMesh::VPropHandleT<double>> vertex_scalars_;
   OpenMesh::FPropHandleT<Index> face_material_;
   OpenMesh::EPropHandleT<unsigned char> edge_feature_;
 };

@@ -48,6 +48,19 @@ void check_finite(const std::vector<Vector>& values, const std::string& source, 
   }
 }
 
+void check_scalar(const PolygonSoup& soup, std::size_t number, const std::string& source) {
+  const VertexScalar& scalar = soup.vertex_scalars[number];
+  if (scalar.name.empty()) throw InputError::in_file(source, "a scalar of the vertices has no name");
+  for (std::size_t i = 0; i < number; ++i) {
+    if (soup.vertex_scalars[i].name != scalar.name) continue;
+    throw InputError::in_file(source, fmt::format("two scalars of the vertices are named {}", scalar.name));
+  }
+  if (scalar.values.size() != soup.positions.size()) {
+    throw InputError::in_file(source, fmt::format("{} values of {} for {} vertices", scalar.values.size(),
+                                                  scalar.name, soup.positions.size()));
+  }
+}
+
 }  // namespace
 
 void validate(const PolygonSoup& soup, const std::string& source) {
@@ -59,6 +72,7 @@ void validate(const PolygonSoup& soup, const std::string& source) {
   check_length(source, "corner texture coordinates", soup.corner_uvs.size(), soup.n_corners());
   check_length(source, "corner normals", soup.corner_normals.size(), soup.n_corners());
   check_length(source, "vertex colours", soup.vertex_colors.size(), soup.positions.size());
+  for (std::size_t i = 0; i < soup.vertex_scalars.size(); ++i) check_scalar(soup, i, source);
   check_length(source, "face materials", soup.face_materials.size(), soup.n_faces());
   check_finite(soup.positions, source, "the position of vertex");
   check_finite(soup.corner_uvs, source, "the texture coordinate of corner");

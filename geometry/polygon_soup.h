@@ -17,17 +17,25 @@ namespace recede {
 using Index = std::uint32_t;
 inline constexpr Index k_no_index = 0xffffffffu;
 
+/// A number at every vertex, by its name: a measured quantity, a weight, a temperature.
+struct VertexScalar {
+  std::string name;
+  std::vector<double> values;  ///< V values; those that aren't finite are missing
+  bool operator==(const VertexScalar&) const = default;
+};
+
 /// Polygons over shared vertices, with attributes on corners, vertices and faces.
 /// A corner is one vertex of one face; corners are numbered face by face, in the face's order.
 /// Attribute lists are either empty (absent) or exactly as long as said here.
 struct PolygonSoup {
-  std::vector<Vec3> positions;         ///< V positions
-  std::vector<Index> face_offsets{0};  ///< F + 1 entries: face f has corners [offsets[f], offsets[f+1])
-  std::vector<Index> corner_vertices;  ///< C vertex indices
-  std::vector<Vec2> corner_uvs;        ///< C texture coordinates, or empty
-  std::vector<Vec3> corner_normals;    ///< C normals, or empty; (0,0,0) where a corner has none
-  std::vector<Vec4> vertex_colors;     ///< V linear colours with opacity, 0 to 1, or empty
-  std::vector<Index> face_materials;   ///< F positions in `materials` (`k_no_index`: none), or empty
+  std::vector<Vec3> positions;               ///< V positions
+  std::vector<Index> face_offsets{0};        ///< F + 1 entries: face f has corners [offsets[f], offsets[f+1])
+  std::vector<Index> corner_vertices;        ///< C vertex indices
+  std::vector<Vec2> corner_uvs;              ///< C texture coordinates, or empty
+  std::vector<Vec3> corner_normals;          ///< C normals, or empty; (0,0,0) where a corner has none
+  std::vector<Vec4> vertex_colors;           ///< V linear colours with opacity, 0 to 1, or empty
+  std::vector<VertexScalar> vertex_scalars;  ///< each with another name
+  std::vector<Index> face_materials;         ///< F positions in `materials` (`k_no_index`: none), or empty
   std::vector<Material> materials;
   std::vector<std::pair<Index, Index>> feature_edges;  ///< vertex pairs that simplification must keep
 
@@ -55,12 +63,13 @@ struct RepairReport {
 };
 
 /// Throws `InputError` when a list has the wrong length, an index is out of range, a face has fewer than
-/// three corners, or a position isn't finite (the text names the vertex). `source` stands in front of the
+/// three corners, a position, normal, texture coordinate or colour isn't
+/// finite (the text names it), or scalars have no name or the same one. `source` stands in front of the
 /// text.
 void validate(const PolygonSoup& soup, const std::string& source);
 
 /// Gives vertices with bit-equal positions one index (-0 equals 0). Vertices that meet but differ in colour
-/// keep the colour of the lowest index, and the detail says how many did.
+/// or a scalar keep those of the lowest index, and the detail says how many did.
 RepairStep merge_identical_vertices(PolygonSoup& soup);
 
 /// Removes repeated neighbours from faces, splits a face that visits a vertex twice into simple loops, and

@@ -80,10 +80,12 @@ void renumber_vertices(PolygonSoup& soup, const std::vector<Index>& target, cons
     if (!kept[v]) continue;
     soup.positions[next] = soup.positions[v];
     if (!soup.vertex_colors.empty()) soup.vertex_colors[next] = soup.vertex_colors[v];
+    for (VertexScalar& scalar : soup.vertex_scalars) scalar.values[next] = scalar.values[v];
     number[v] = next++;
   }
   soup.positions.resize(next);
   if (!soup.vertex_colors.empty()) soup.vertex_colors.resize(next);
+  for (VertexScalar& scalar : soup.vertex_scalars) scalar.values.resize(next);
   for (Index& v : soup.corner_vertices) v = number[target[v]];
   for (auto& [a, b] : soup.feature_edges) {
     a = number[target[a]];
@@ -134,18 +136,23 @@ RepairStep merge_identical_vertices(PolygonSoup& soup) {
   RepairStep step{"merge_identical_vertices", 0, ""};
   const std::vector<Index> target = lowest_at_same_position(soup.positions);
   std::vector<bool> kept(target.size());
-  std::size_t recoloured = 0;
+  std::size_t recoloured = 0, rescaled = 0;
   for (std::size_t v = 0; v < target.size(); ++v) {
     kept[v] = target[v] == v;
     if (kept[v]) continue;
     ++step.changed;
     if (!soup.vertex_colors.empty() && soup.vertex_colors[v] != soup.vertex_colors[target[v]]) ++recoloured;
+    rescaled += std::any_of(soup.vertex_scalars.begin(), soup.vertex_scalars.end(),
+                            [&](const VertexScalar& s) { return s.values[v] != s.values[target[v]]; })
+                    ? 1u
+                    : 0u;
   }
   if (step.changed == 0) return step;
   renumber_vertices(soup, target, kept);
   step.detail = fmt::format("merged {} vertices into others at the same position", step.changed);
   if (recoloured > 0)
     step.detail += fmt::format("; {} of them had another colour, which is lost", recoloured);
+  if (rescaled > 0) step.detail += fmt::format("; {} of them had another scalar, which is lost", rescaled);
   return step;
 }
 

@@ -76,6 +76,19 @@ EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second) {
   return freedom;
 }
 
+EdgeFreedom join_freedom(const CornerTable& table, Index first, Index second, bool keep_fixed) {
+  EdgeFreedom freedom;
+  if (table.is_held(first, second)) return freedom;
+  const bool first_is_fixed = table.classes[first] == PointClass::fixed,
+             second_is_fixed = table.classes[second] == PointClass::fixed;
+  if (first_is_fixed && second_is_fixed && keep_fixed) return freedom;
+  freedom.allowed = true;
+  freedom.may_remove_first = !first_is_fixed || second_is_fixed;
+  freedom.may_remove_second = !second_is_fixed || first_is_fixed;
+  freedom.may_move = !first_is_fixed && !second_is_fixed;
+  return freedom;
+}
+
 namespace {
 
 /// True when a triangle lies on the far side of the edge from `x` to `y`.
@@ -197,13 +210,14 @@ bool CollapseRules::closes_crease(const Collapse& collapse) const {
   });
 }
 
-bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& collapse) {
+bool CollapseRules::makes_duplicate(const EdgeRings& rings, const Collapse& collapse, bool look_at_all) {
   // After the collapse, twins at the new point have the same two neighbours. Faces of different rings share
   // none but third corners, so on triangle meshes most are out at once; a larger polygon that is shortened
   // brings neighbours of both ends together.
   shapes_.clear();
-  const bool shortens = std::any_of(rings.removed.begin(), rings.removed.end(),
-                                    [](const RingCorner& c) { return c.on_edge && c.size > 3; });
+  const bool shortens =
+      look_at_all || std::any_of(rings.removed.begin(), rings.removed.end(),
+                                 [](const RingCorner& c) { return c.on_edge && c.size > 3; });
   const auto add = [&](const RingCorner& c, bool from_removed) {
     if (c.on_edge && c.size == 3) return;
     if (c.on_edge) {
@@ -304,7 +318,21 @@ std::optional<Refusal> CollapseRules::refusal(const EdgeRings& rings, const Coll
   if (!collapse.position.allFinite()) return Refusal::degenerate;
   if (breaks_link(rings, collapse)) return Refusal::topology;
   if (closes_crease(collapse)) return Refusal::border;
-  if (makes_duplicate(rings, collapse)) return Refusal::duplicate;
+  if (makes_duplicate(rings, collapse, false)) return Refusal::duplicate;
+  return shapes_refusal(rings, collapse);
+}
+
+std::optional<Refusal> CollapseRules::join_refusal(const EdgeRings& rings, const Collapse& collapse) {
+  if (!collapse.position.allFinite()) return Refusal::degenerate;
+  thirds_.clear();
+  for (const RingCorner& c : rings.removed) {
+    if (c.on_edge || face_has_both(c, collapse.kept)) return Refusal::topology;
+  }
+  if (makes_duplicate(rings, collapse, true)) return Refusal::duplicate;
+  return shapes_refusal(rings, collapse);
+}
+
+std::optional<Refusal> CollapseRules::shapes_refusal(const EdgeRings& rings, const Collapse& collapse) const {
   for (const RingCorner& c : rings.removed) {
     if (c.on_edge && c.size == 3) continue;
     if (const auto refused = shape_refusal(c, collapse.removed, collapse)) return refused;

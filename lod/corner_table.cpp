@@ -176,6 +176,10 @@ CollapseEffect apply_collapse(CornerTable& table, const Collapse& collapse) {
   if (!table.colors.empty() && share < 1) {
     table.colors[kept] = (1 - share) * table.colors[removed] + share * table.colors[kept];
   }
+  for (std::size_t i = 0; i < table.scalar_names.size() && share < 1; ++i) {
+    double& value = table.point_scalars(kept)[i];
+    value = (1 - share) * table.point_scalars(removed)[i] + share * value;
+  }
   table.classes[kept] = std::max(table.classes[kept], table.classes[removed]);
   return effect;
 }
@@ -235,6 +239,23 @@ void pack_faces(CornerTable& table) {
   keep(table.point, corner_stays);
 }
 
+/// Names the points that the ends of joins have become; pairs that lost an end, or have become one, go.
+void follow_joins(CornerTable& table) {
+  const auto what_became_of = [&](Index p) {
+    Index point = k_no_index;
+    table.each_corner(p, [&](Index corner) { point = table.point[corner]; });
+    return point;
+  };
+  for (PointPair& join : table.joins) {
+    const std::pair<Index, Index> ends = std::minmax(what_became_of(join.first), what_became_of(join.second));
+    join = {ends.first, ends.second};
+  }
+  std::erase_if(table.joins,
+                [](const PointPair& join) { return join.second == k_no_index || join.first == join.second; });
+  std::sort(table.joins.begin(), table.joins.end());
+  table.joins.erase(std::unique(table.joins.begin(), table.joins.end()), table.joins.end());
+}
+
 /// Completes the rings: `ring_start[p + 1]` holds the number of p's corners.
 void fill_rings(CornerTable& table) {
   std::partial_sum(table.ring_start.begin(), table.ring_start.end(), table.ring_start.begin());
@@ -255,6 +276,7 @@ void link_rings(CornerTable& table) {
 
 void pack(CornerTable& table) {
   if (table.n_alive_points == table.n_points()) return;
+  follow_joins(table);
   pack_faces(table);
   LargeList<Index>& number = table.merged;  // which loses its content anyway
   std::fill(number.begin(), number.end(), k_no_index);
@@ -263,6 +285,7 @@ void pack(CornerTable& table) {
   for (Index& n : number) {
     if (n != k_no_index) n = next++;
   }
+  for (PointPair& join : table.joins) join = {number[join.first], number[join.second]};
   const auto pack_points = [&] {
     const auto stays = [&](Index p) { return number[p] != k_no_index; };
     keep(table.positions, stays);
@@ -271,6 +294,8 @@ void pack(CornerTable& table) {
     keep(table.source_vertex, stays);
     if (!table.held.empty()) keep(table.held, stays);
     if (!table.colors.empty()) keep(table.colors, stays);
+    const std::size_t width = table.scalar_names.size();
+    if (width > 0) keep(table.scalars, [&](Index i) { return stays(static_cast<Index>(i / width)); });
   };
   const auto pack_corners = [&] {
     table.ring_start.assign(next + 1, 0);
@@ -283,7 +308,21 @@ void pack(CornerTable& table) {
   fill_rings(table);
 }
 
+std::vector<Index> fan_triangles(const CornerTable& table) {
+  std::vector<Index> triangles;
+  for (Index f = 0; f < table.n_faces(); ++f) {
+    if (!table.is_face_alive(f)) continue;
+    const Index start = table.face_corner(f);
+    for (Index c = table.next(start); table.next(c) != start; c = table.next(c)) {
+      triangles.insert(triangles.end(), {table.point[start], table.point[c], table.point_after(c)});
+    }
+  }
+  return triangles;
+}
+
 PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_positions) {
+  PolygonSoup soup;
+  for (const std::string& name : table.scalar_names) soup.vertex_scalars.push_back({name, {}});
   // In the order of the input.
   std::vector<Index> faces, points;
   for (Index f = 0; f < table.n_faces(); ++f) {
@@ -299,7 +338,6 @@ PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_po
   }
   std::sort(points.begin(), points.end(),
             [&](Index p, Index q) { return table.source_vertex[p] < table.source_vertex[q]; });
-  PolygonSoup soup;
   soup.positions.reserve(points.size());
   for (const Index p : points) {
     vertex[p] = static_cast<Index>(soup.positions.size());
@@ -307,6 +345,9 @@ PolygonSoup to_soup(const CornerTable& table, const std::vector<Vec3>& source_po
     const bool unmoved = (source - table.origin) / table.scale == table.positions[p];
     soup.positions.push_back(unmoved ? source : Vec3(table.origin + table.scale * table.positions[p]));
     if (!table.colors.empty()) soup.vertex_colors.push_back(table.colors[p]);
+    for (std::size_t i = 0; i < table.scalar_names.size(); ++i) {
+      soup.vertex_scalars[i].values.push_back(table.point_scalars(p)[i]);
+    }
   }
   soup.face_offsets.reserve(faces.size() + 1);
   const auto close_face = [&](Index f) {

@@ -1,13 +1,13 @@
 // From a soup to the flat table: points along a space-filling curve, faces by their points, attributes,
 // classes.
 #include <recede/lod/detail/corner_table.h>
+#include <recede/lod/detail/point_classifier.h>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace recede::detail {
@@ -80,12 +80,6 @@ class TableBuilder {
   void make_wedges();
   void mark_features();
   void classify_points();
-  bool is_plain(Index p) const;
-  struct Scratch {
-    std::vector<Index> neighbours, corners, parents;
-  };
-  PointClass classify(Index p, Scratch& scratch) const;
-  std::size_t count_fans(Scratch& scratch) const;
 
   const PolygonSoup& soup_;
   const CornerTableOptions& options_;
@@ -132,10 +126,16 @@ void TableBuilder::set_points() {
   }
   table_.positions.resize(table_.source_vertex.size());
   if (!soup_.vertex_colors.empty()) table_.colors.resize(table_.positions.size());
+  for (const VertexScalar& scalar : soup_.vertex_scalars) table_.scalar_names.push_back(scalar.name);
+  table_.scalars.resize(table_.positions.size() * table_.scalar_names.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table_.n_points(), 4096), [&](const auto& range) {
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       table_.positions[p] = unit(table_.source_vertex[p]);
       if (!table_.colors.empty()) table_.colors[p] = soup_.vertex_colors[table_.source_vertex[p]];
+      for (std::size_t i = 0; i < table_.scalar_names.size(); ++i) {
+        table_.point_scalars(static_cast<Index>(p))[i] =
+            soup_.vertex_scalars[i].values[table_.source_vertex[p]];
+      }
     }
   });
 }
@@ -367,99 +367,13 @@ void TableBuilder::mark_features() {
   }
 }
 
-/// True for a point in the middle of one closed fan of faces that agree in everything: the common case, seen
-/// without sorting anything.
-bool TableBuilder::is_plain(Index p) const {
-  constexpr std::size_t k_most = 16;
-  const std::size_t n = table_.ring_start[p + 1] - table_.ring_start[p];
-  if (n > k_most) return false;
-  const Index* const corners = table_.ring.data() + table_.ring_start[p];
-  std::array<Index, k_most> after, before;
-  for (std::size_t i = 0; i < n; ++i) {
-    after[i] = table_.point_after(corners[i]);
-    before[i] = table_.point_before(corners[i]);
-  }
-  const auto agree = [&](Index c, Index following) {
-    const auto same = [&](Index x, Index y) { return table_.wedge[x] == table_.wedge[y]; };
-    if (!table_.wedge.empty() && !(same(c, following) && same(table_.previous(c), table_.next(following)))) {
-      return false;
-    }
-    if (!table_.feature.empty() && table_.feature[following] != 0) return false;
-    return table_.face_material.empty() ||
-           table_.face_material[table_.face(c)] == table_.face_material[table_.face(following)];
-  };
-  // From the first face on around over common neighbours, none of which may be met twice.
-  std::size_t at = 0;
-  for (std::size_t met = 1; met <= n; ++met) {
-    std::size_t following = n;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (after[i] != before[at]) continue;
-      if (following != n) return false;
-      following = i;
-    }
-    if (following == n || !agree(corners[at], corners[following])) return false;
-    at = following;
-    if (at == 0) return met == n;
-  }
-  return false;
-}
-
-/// Number of fans of faces around a point: its neighbours fall into that many sets when each corner joins
-/// the two beside it.
-std::size_t TableBuilder::count_fans(Scratch& scratch) const {
-  const std::vector<Index>& neighbours = scratch.neighbours;
-  std::vector<Index>& parents = scratch.parents;
-  parents.resize(neighbours.size());
-  std::iota(parents.begin(), parents.end(), Index{0});
-  const auto root_of = [&](Index q) {
-    auto i =
-        static_cast<Index>(std::lower_bound(neighbours.begin(), neighbours.end(), q) - neighbours.begin());
-    while (parents[i] != i) i = parents[i] = parents[parents[i]];
-    return i;
-  };
-  std::size_t fans = neighbours.size();
-  for (const Index corner : scratch.corners) {
-    const Index x = root_of(table_.point_after(corner)), y = root_of(table_.point_before(corner));
-    if (x == y) continue;
-    parents[x] = y;
-    --fans;
-  }
-  return fans;
-}
-
-PointClass TableBuilder::classify(Index p, Scratch& scratch) const {
-  scratch.neighbours.clear();
-  scratch.corners.clear();
-  table_.each_corner(p, [&](Index corner) {
-    scratch.corners.push_back(corner);
-    scratch.neighbours.push_back(table_.point_after(corner));
-    scratch.neighbours.push_back(table_.point_before(corner));
-  });
-  std::sort(scratch.neighbours.begin(), scratch.neighbours.end());
-  scratch.neighbours.erase(std::unique(scratch.neighbours.begin(), scratch.neighbours.end()),
-                           scratch.neighbours.end());
-  std::array<unsigned, 2> kinds{};
-  std::size_t n_creases = 0;
-  for (const Index q : scratch.neighbours) {
-    const unsigned kind = table_.edge_kind(p, q);
-    if (kind == k_smooth_edge) continue;
-    if (n_creases < 2) kinds[n_creases] = kind;
-    ++n_creases;
-  }
-  if (count_fans(scratch) > 1) return PointClass::fixed;
-  if (n_creases == 0) return PointClass::smooth;
-  if (n_creases != 2 || kinds[0] != kinds[1]) return PointClass::fixed;
-  if (options_.lock_borders && (kinds[0] & k_border_edge) != 0) return PointClass::fixed;
-  return PointClass::crease;
-}
-
 void TableBuilder::classify_points() {
   table_.classes.assign(table_.n_points(), PointClass::smooth);
   tbb::parallel_for(tbb::blocked_range<Index>(0, static_cast<Index>(table_.n_points()), 4096),
                     [&](const auto& range) {
-                      Scratch scratch;
+                      PointClassifier classifier(table_, options_.lock_borders);
                       for (Index p = range.begin(); p < range.end(); ++p) {
-                        if (!is_plain(p)) table_.classes[p] = classify(p, scratch);
+                        table_.classes[p] = classifier.classify(p);
                       }
                     });
 }

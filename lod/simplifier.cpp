@@ -1,4 +1,5 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/lod/detail/parts.h>
 #include <recede/lod/detail/simplifier.h>
 
 #include <algorithm>
@@ -30,6 +31,9 @@ void RunCounts::add(const RunCounts& other) {
   removed_faces += other.removed_faces;
   lost_sides += other.lost_sides;
   passes += other.passes;
+  joined += other.joined;
+  dropped_parts += other.dropped_parts;
+  dropped_faces += other.dropped_faces;
   error = std::max(error, other.error);
   for (std::size_t i = 0; i < refused.counts.size(); ++i) refused.counts[i] += other.refused.counts[i];
 }
@@ -41,17 +45,10 @@ void Simplifier::count(const RunCounts& counts) {
 }
 
 void Simplifier::hold(const std::vector<Vec3>& places) {
-  std::vector<Index> ears;
-  for (Index f = 0; f < table_.n_faces(); ++f) {
-    if (!table_.is_face_alive(f)) continue;
-    const Index start = table_.face_corner(f);
-    for (Index c = table_.next(start); table_.next(c) != start; c = table_.next(c)) {
-      ears.insert(ears.end(), {table_.point[start], table_.point[c], table_.point_after(c)});
-    }
-  }
-  if (ears.empty()) return;
+  const std::vector<Index> triangles = fan_triangles(table_);
+  if (triangles.empty()) return;
   const std::vector<Vec3> positions(table_.positions.begin(), table_.positions.end());
-  const ClosestPointTree tree(positions, ears);
+  const ClosestPointTree tree(positions, triangles);
   table_.held.resize(table_.n_points(), 0);
   const auto hold_around = [&](Index p) {
     table_.held[p] = 1;
@@ -61,8 +58,23 @@ void Simplifier::hold(const std::vector<Vec3>& places) {
   Index near = k_no_index;
   for (const Vec3& place : places) {
     near = tree.closest((place - table_.origin) / table_.scale, near).triangle;
-    for (Index i = 0; i < 3; ++i) hold_around(ears[3 * near + i]);
+    for (Index i = 0; i < 3; ++i) hold_around(triangles[3 * near + i]);
   }
+}
+
+bool Simplifier::drop(double most_error, const Limits& limits) {
+  if (reached(limits)) return false;
+  const auto enough = [&](const DroppedParts& so_far) {
+    return (limits.faces > 0 && table_.n_alive_faces - so_far.faces <= limits.faces) ||
+           (limits.vertices > 0 && table_.n_alive_points - so_far.points <= limits.vertices);
+  };
+  const DroppedParts dropped = drop_parts(table_, std::min(most_error, limits.error), enough);
+  table_.n_alive_faces -= dropped.faces;
+  table_.n_alive_points -= dropped.points;
+  counts_.dropped_parts += dropped.parts;
+  counts_.dropped_faces += dropped.faces;
+  counts_.error = std::max(counts_.error, dropped.error);
+  return dropped.parts > 0;
 }
 
 StopReason Simplifier::run(const Limits& limits, Progress* progress) {
@@ -72,7 +84,10 @@ StopReason Simplifier::run(const Limits& limits, Progress* progress) {
   report_progress(progress, "simplify", 0);
   while (!reached(limits)) {
     const std::size_t refused_before = refused_for_error();
-    if (pass(limits, progress) == 0) {
+    const std::size_t collapses = pass(limits, progress);
+    // Parts go once the surface is off by as much as they would be, or when nothing else is left.
+    const bool dropped = options_.drop_parts && drop(collapses > 0 ? counts_.error : limits.error, limits);
+    if (collapses == 0 && !dropped) {
       return refused_for_error() > refused_before ? StopReason::error_target : StopReason::no_collapse_left;
     }
     report_progress(progress, "simplify", fraction_done(limits));

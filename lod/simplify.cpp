@@ -1,5 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/error_proof.h>
+#include <recede/lod/detail/parts.h>
 #include <recede/lod/detail/simplifier.h>
 #include <recede/lod/simplify.h>
 
@@ -60,6 +61,18 @@ void check(const SimplifyOptions& options) {
   require(options.candidate_share > 0 && options.candidate_share <= 1, "candidate_share must lie in (0, 1]");
   require(options.placement != VertexPlacement::optimal || options.cost == CostPolicy::volume,
           "placement optimal needs the cost volume");
+  require(options.join_distance >= 0 && std::isfinite(options.join_distance),
+          "join_distance must be finite and not negative");
+  require(options.join_distance == 0 || options.cost == CostPolicy::volume,
+          "join_distance needs the cost volume");
+  const auto check_weight = [](double weight) {
+    require(weight >= 0 && std::isfinite(weight),
+            "the weight of an attribute must be finite and not negative");
+  };
+  check_weight(options.weights.uv);
+  check_weight(options.weights.normal);
+  check_weight(options.weights.color);
+  for (const auto& scalar : options.weights.scalars) check_weight(scalar.second);
 }
 
 void check(const SimplifyTarget& target) {
@@ -89,6 +102,7 @@ Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double d
 std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonSoup& soup, const SimplifyOptions& options) {
   detail::CornerTable table = detail::build_corner_table(
       soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
+  if (options.join_distance > 0) table.joins = find_joins(table, options.join_distance / table.scale);
   return options.cost == CostPolicy::volume
              ? detail::make_volume_simplifier(std::move(table), options)
              : detail::make_normal_deviation_simplifier(std::move(table), options);
@@ -110,6 +124,9 @@ void fill_report(const detail::Simplifier& simplifier, SimplifyReport& report) {
   report.removed_faces = counts.removed_faces;
   report.lost_sides = counts.lost_sides;
   report.passes = counts.passes;
+  report.joined = counts.joined;
+  report.dropped_parts = counts.dropped_parts;
+  report.dropped_faces = counts.dropped_faces;
   report.error_estimate = counts.error * table.scale;
   report.refused = counts.refused;
 }

@@ -7,7 +7,9 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace recede {
 
@@ -57,6 +59,17 @@ struct SimplifyTarget {
       relative_error{};  ///< the same as a share of the bounding box's diagonal (0.01 = 1 %)
 };
 
+/// `volume`: how much attributes count in the cost of a collapse, beside the shape. An attribute that changes
+/// by one unit costs as much as a surface that moves by its weight, a share of the longest side of the
+/// bounding box. 0: the attribute is carried along, but doesn't count. Attributes that the mesh hasn't got
+/// don't matter.
+struct AttributeWeights {
+  double uv = 0.1;
+  double normal = 0.003;
+  double color = 0.01;
+  std::vector<std::pair<std::string, double>> scalars{};  ///< by name; those that aren't here don't count
+};
+
 struct SimplifyOptions {
   SimplifyTarget target;
   CostPolicy cost = CostPolicy::volume;
@@ -72,6 +85,17 @@ struct SimplifyOptions {
   /// Keep edges where texture coordinates or normals of the two faces differ.
   bool keep_uv_seams = true;
   bool keep_normal_seams = true;
+
+  AttributeWeights weights;
+
+  /// `volume`: points of parts that no face connects may become one when they are this near, object units.
+  /// Such a join costs what it sweeps and competes with the collapses of edges; borders that meet grow
+  /// together. 0: parts stay apart.
+  double join_distance = 0;
+  /// Drop parts that no face connects with the rest: once the surface is off by as much as a part's own
+  /// error, the distance of its points from the nearest other part, and where nothing else is left to do. One
+  /// part stays.
+  bool drop_parts = false;
 
   /// Between collapses of similar cost, prefer those that keep polygons with more than three sides: rows of
   /// quads vanish as a whole. No effect on triangle meshes. Off: the order of the sources alone.
@@ -121,7 +145,9 @@ struct SimplifyReport {
   std::size_t interior_collapses = 0;  ///< those of edges with exactly two faces
   std::size_t removed_faces = 0;       ///< each a triangle
   std::size_t lost_sides = 0;          ///< sides lost by faces that stay
-  std::size_t passes = 0;              ///< passes (`volume`) or sweeps (`normal_deviation`)
+  std::size_t joined = 0;              ///< collapses that joined points of different parts
+  std::size_t dropped_parts = 0, dropped_faces = 0;
+  std::size_t passes = 0;  ///< passes (`volume`) or sweeps (`normal_deviation`)
   /// Largest deviation from the input that the collapses may have made, object units: the distances by which
   /// collapses at one place moved the surface, summed up. An estimate, not a bound.
   double error_estimate = 0;

@@ -20,7 +20,7 @@ constexpr double k_length_weight = 1e-7;
 /// volumes of tetrahedra (1/6 of the product) and areas of triangles (1/2), the source's equal weights.
 constexpr double k_line_weight = 9.0;
 
-/// Squared distance over squared half edge length that counts as none.
+/// Cost over weight and squared half edge length that counts as none.
 constexpr double k_flat = 1e-20;
 
 /// Calls `visit(q)` for every neighbour to which a line of borders, creases or seams runs from `point`.
@@ -60,23 +60,48 @@ PointMatrix point_matrix(const CornerTable& table, Index point, double scale) {
   return m;
 }
 
+namespace {
+
+/// The part of the attributes, relative to the middle of the edge: for each channel the squared differences
+/// from the value that is best at x, of which `add_rank_sums` added the squares of slopes to the matrices.
+void add_attributes(std::span<const float> a, std::span<const float> b, const Eigen::Vector3f& half,
+                    float unit, SymmetricMatrix& matrix, Eigen::Vector3f& pull, float& constant) {
+  const float weight = a[0] + b[0];
+  if (!(weight > 0)) return;
+  for (std::size_t i = 1; i < a.size(); i += 4) {
+    const Eigen::Vector3f at_a(a[i + 1], a[i + 2], a[i + 3]), at_b(b[i + 1], b[i + 2], b[i + 3]);
+    const float difference = b[i] - a[i];
+    // Predicted values, summed up, are slope.x + offset when they are counted from that of a.
+    const Eigen::Vector3f slope = at_a + at_b;
+    const float offset = b[0] * difference + (at_a - at_b).dot(half);
+    const float share = -unit / weight;
+    matrix.add_square(slope, share);
+    pull -= unit * difference * at_b + share * offset * slope;
+    constant += unit * difference * (b[0] * difference - 2 * at_b.dot(half)) + share * offset * offset;
+  }
+}
+
+}  // namespace
+
 float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix& a, const PointMatrix& b,
-                       double scale, VertexPlacement placement) {
+                       std::span<const float> sums_a, std::span<const float> sums_b, double scale,
+                       VertexPlacement placement) {
   const Eigen::Vector3f half = (0.5 * scale * (second - first)).cast<float>();
   const float trace = a.squares.trace() + b.squares.trace();
   if (!(trace > 0)) return 0;
   const float squared_half = half.squaredNorm();
   const float length_cost = trace * static_cast<float>(k_length_weight) * squared_half;
-  if (placement == VertexPlacement::half_edge) {
-    const float to_an_end = 4 * std::min(b.squares.form(half), a.squares.form(half));
-    return std::max(0.0f, to_an_end) + length_cost;
-  }
   // All relative to the middle of the edge, and to the trace.
-  const SymmetricMatrix sum = a.squares.combined(b.squares, 1, 1 / trace);
-  const float at_middle = sum.form(half);
+  SymmetricMatrix sum = a.squares.combined(b.squares, 1, 1 / trace);
+  float at_middle = sum.form(half);
+  Eigen::Vector3f pull = b.squares.combined(a.squares, -1, 1 / trace).times(half);
+  if (!sums_a.empty()) add_attributes(sums_a, sums_b, half, 1 / trace, sum, pull, at_middle);
+  if (placement == VertexPlacement::half_edge) {
+    const float to_an_end = sum.form(half) - 2 * std::abs(pull.dot(half)) + at_middle;
+    return trace * std::max(0.0f, to_an_end) + length_cost;
+  }
   const float middle_cost = trace * std::max(0.0f, at_middle) + length_cost;
   if (placement == VertexPlacement::midpoint) return middle_cost;
-  const Eigen::Vector3f pull = b.squares.combined(a.squares, -1, 1 / trace).times(half);
   const Eigen::Vector3f normal = a.sum + b.sum;
   const float volume = (b.sum - a.sum).dot(half);
   SymmetricMatrix regular = sum;
@@ -96,34 +121,36 @@ float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix&
   return trace * std::max(0.0f, sum.form(place) - 2 * pull.dot(place) + at_middle) + length_cost;
 }
 
-void CollapsePlanner::add_triangle(const Vec3& at, const Vec3& before, const Vec3& after) {
-  const Vec3 normal = (after - at).cross(before - at);
-  const double offset = normal.dot(at);
-  matrix_ += normal * normal.transpose();
-  pull_ += offset * normal;
-  constant_ += offset * offset;
+/// The triangle between three corners, of which `at` moves.
+void CollapsePlanner::add_triangle(Index at, Index before, Index after) {
+  const auto place = [&](Index corner) -> Vec3 { return table_.positions[table_.point[corner]] - center_; };
+  const Vec3 from = place(at);
+  const Vec3 normal = (place(after) - from).cross(place(before) - from);
+  const double offset = normal.dot(from);
+  shape_.matrix += normal * normal.transpose();
+  shape_.pull += offset * normal;
+  shape_.constant += offset * offset;
   volume_normal_ += normal;
   volume_ += offset;
+  if (has_attributes_) attributes_.add_triangle(at, before, after);
 }
 
 void CollapsePlanner::add_line(const Vec3& through, const Vec3& along) {
   const Eigen::Matrix3d m = line_matrix(along);
-  matrix_ += m;
-  pull_ += m * through;
-  constant_ += through.dot(m * through);
+  shape_.matrix += m;
+  shape_.pull += m * through;
+  shape_.constant += through.dot(m * through);
 }
 
 /// Adds what moves with a corner of `at`. A polygon on the edge counts as the triangle between the edge and
 /// the corner before it, and the triangle that is left at the edge's far end; both are met where the side
 /// begins.
-void CollapsePlanner::add_corner(const RingCorner& corner, Index at, Index other) {
-  const auto place = [&](Index p) -> Vec3 { return table_.positions[p] - center_; };
-  if (!corner.on_edge) return add_triangle(place(at), place(corner.before), place(corner.after));
-  if (corner.after != other) return;
-  add_triangle(place(at), place(corner.before), place(other));
-  if (corner.size == 3) return;
-  const Index beyond = table_.point_after(table_.next(corner.corner));
-  add_triangle(place(other), place(corner.before), place(beyond));
+void CollapsePlanner::add_corner(const RingCorner& corner, Index other) {
+  const Index at = corner.corner, after = table_.next(at);
+  if (corner.on_edge && corner.after != other) return;
+  const Index before = table_.previous(at);
+  add_triangle(at, before, after);
+  if (corner.on_edge && corner.size > 3) add_triangle(after, before, table_.next(after));
 }
 
 void CollapsePlanner::add_lines(Index first, Index second) {
@@ -147,24 +174,26 @@ void CollapsePlanner::gather(const EdgeRings& rings, Index first, Index second) 
   center_ = 0.5 * (p + q);
   half_edge_ = 0.5 * (q - p);
   half_length_squared_ = half_edge_.squaredNorm();
-  matrix_.setZero();
-  pull_.setZero();
+  shape_ = {};
   volume_normal_.setZero();
-  constant_ = volume_ = 0;
-  for (const RingCorner& corner : rings.removed) add_corner(corner, first, second);
+  volume_ = 0;
+  if (has_attributes_) attributes_.start(rings, first, second, center_);
+  for (const RingCorner& corner : rings.removed) add_corner(corner, second);
   // Sides that run from second to first begin there.
-  for (const RingCorner& corner : rings.kept) add_corner(corner, second, first);
+  for (const RingCorner& corner : rings.kept) add_corner(corner, first);
   add_lines(first, second);
+  cost_ = shape_;
+  if (has_attributes_) cost_ += attributes_.form();
 }
 
 /// Least cost among the places that keep the volume.
 Vec3 CollapsePlanner::best_place() const {
-  Eigen::Matrix3d regular = matrix_;
-  regular.diagonal().array() += k_regularization * matrix_.trace();
+  Eigen::Matrix3d regular = cost_.matrix;
+  regular.diagonal().array() += k_regularization * cost_.matrix.trace();
   const Eigen::Matrix3d inverse = regular.inverse();
-  Vec3 place = inverse * pull_;
+  Vec3 place = inverse * cost_.pull;
   // One step of refinement takes the pull out of the directions that the triangles do determine.
-  place += inverse * (pull_ - matrix_ * place);
+  place += inverse * (cost_.pull - cost_.matrix * place);
   const Vec3 way = inverse * volume_normal_;
   const double slope = volume_normal_.dot(way);
   if (slope > 0) place += way * ((volume_ - volume_normal_.dot(place)) / slope);
@@ -180,41 +209,53 @@ Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) 
   const Vec3 p = -half_edge_, q = half_edge_;
   const Vec3 area = before.cross(p) + p.cross(q) + q.cross(after);
   const Vec3 through = along.cross(area) / length;
-  const double curvature = along.dot(matrix_ * along);
+  const double curvature = along.dot(cost_.matrix * along);
   // Without curvature the middle is as good as any place.
-  const double step = curvature > k_regularization * matrix_.trace() * length
-                          ? along.dot(pull_ - matrix_ * through) / curvature
+  const double step = curvature > k_regularization * cost_.matrix.trace() * length
+                          ? along.dot(cost_.pull - cost_.matrix * through) / curvature
                           : -along.dot(through) / length;
   return through + step * along;
 }
 
-/// True when what the collapse sweeps is rounding.
-bool CollapsePlanner::is_flat(const CollapsePlan& plan) const {
-  return plan.deviation * plan.deviation <= k_flat * half_length_squared_;
-}
-
-/// The sum of what is swept, squared.
-double CollapsePlanner::swept_at(const Vec3& place) const {
-  return std::max(0.0, place.dot(matrix_ * place) - 2 * pull_.dot(place) + constant_);
+/// True when what the collapse costs beside its length is rounding.
+bool CollapsePlanner::is_free(const CollapsePlan& plan) const {
+  return plan.cost <= (k_length_weight + k_flat) * shape_.matrix.trace() * half_length_squared_;
 }
 
 CollapsePlan CollapsePlanner::plan_at(Index removed, Index kept, const Vec3& place, double share) const {
-  const double swept = swept_at(place), weight = matrix_.trace();
-  const double cost = swept + k_length_weight * weight * half_length_squared_;
-  return {{removed, kept, place + center_, share}, cost, weight > 0 ? std::sqrt(swept / weight) : 0};
+  const double weight = shape_.matrix.trace();
+  const double cost = cost_.at(place) + k_length_weight * weight * half_length_squared_;
+  return {{removed, kept, place + center_, share},
+          cost,
+          weight > 0 ? std::sqrt(shape_.at(place) / weight) : 0,
+          has_attributes_};
 }
 
 /// The better of the ends to which the edge may shrink.
-CollapsePlan CollapsePlanner::plan_at_ends(const EdgeFreedom& freedom, Index first, Index second) const {
+CollapsePlan CollapsePlanner::plan_at_ends(const EdgeFreedom& freedom, Index first, Index second) {
   CollapsePlan best;
   const auto consider = [&](Index removed, Index kept) {
-    CollapsePlan plan = plan_at(removed, kept, table_.positions[kept] - center_, 1);
+    const Vec3 place = table_.positions[kept] - center_;
+    CollapsePlan plan = plan_at(removed, kept, place, 1);
+    plan.sets_attributes = false;  // they stay with their point
+    if (has_attributes_) plan.cost += attributes_.cost_of_keeping(kept, place);
     plan.collapse.position = table_.positions[kept];  // its very bits
     if (best.collapse.removed == k_no_index || plan.cost < best.cost) best = plan;
   };
   if (freedom.may_remove_first) consider(first, second);
   if (freedom.may_remove_second) consider(second, first);
   return best;
+}
+
+CollapsePlan CollapsePlanner::plan_join(const EdgeRings& rings, const EdgeFreedom& freedom, Index first,
+                                        Index second) {
+  gather(rings, first, second);
+  const Vec3 place = freedom.may_move ? best_place() : Vec3::Zero();
+  const bool is_near = place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_;
+  if (placement_ == VertexPlacement::half_edge || !freedom.may_move || !is_near) {
+    return plan_at_ends(freedom, first, second);
+  }
+  return plan_at(first, second, placement_ == VertexPlacement::midpoint ? Vec3::Zero() : place, 0.5);
 }
 
 CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index second) {
@@ -239,10 +280,10 @@ CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index se
                            : 1;
   const CollapsePlan best = freedom.may_remove_first ? plan_at(first, second, place, share)
                                                      : plan_at(second, first, place, 1 - share);
-  if (placement_ == VertexPlacement::midpoint || !is_flat(best)) return best;
+  if (placement_ == VertexPlacement::midpoint || !is_free(best)) return best;
   // Where it costs nothing either way, what stays is a point of the input.
   const CollapsePlan at_end = plan_at_ends(freedom, first, second);
-  return is_flat(at_end) ? at_end : best;
+  return is_free(at_end) ? at_end : best;
 }
 
 }  // namespace recede::detail

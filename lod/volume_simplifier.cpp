@@ -7,6 +7,7 @@
 // Points are numbered along a space-filling curve, so that a range of numbers is a patch of surface. Patches
 // rank and collapse on their own, in parallel and inside a cache; what reaches over the rim of a patch is
 // left for afterwards. The patches don't depend on the number of threads, and neither does the result.
+#include <recede/lod/detail/point_classifier.h>
 #include <recede/lod/detail/simplifier.h>
 #include <recede/lod/detail/volume_cost.h>
 
@@ -77,8 +78,8 @@ class CostHistogram {
 
 /// What one thread needs to look at an edge.
 struct Workbench {
-  Workbench(const CornerTable& table, VertexPlacement placement)
-      : rules(table, k_least_normal_cosine), planner(table, placement) {}
+  Workbench(const CornerTable& table, const AttributeChannels& channels, VertexPlacement placement)
+      : rules(table, k_least_normal_cosine), planner(table, channels, placement) {}
   EdgeRings rings;
   CollapseRules rules;
   CollapsePlanner planner;
@@ -109,7 +110,7 @@ struct Patch {
 class VolumeSimplifier final : public Simplifier {
  public:
   VolumeSimplifier(CornerTable table, const SimplifyOptions& options)
-      : Simplifier(std::move(table), options, k_least_normal_cosine) {}
+      : Simplifier(std::move(table), options, k_least_normal_cosine), channels_(table_, options.weights) {}
 
  private:
   enum class Try { done, refused, busy, outside };
@@ -117,6 +118,12 @@ class VolumeSimplifier final : public Simplifier {
   std::size_t pass(const Limits& limits, Progress* progress) override;
 
   void start_pass();
+  void make_matrices(const Patch& patch);
+  std::span<const float> rank_sums(Index p) const {
+    const std::size_t stride = channels_.rank_stride();
+    if (channels_.empty()) return {};
+    return {attribute_sums_.data() + p * stride, stride};
+  }
   void rank(Patch& patch);
   void rank_point(Patch& patch, Workbench& bench, Index p, std::vector<Index>& seen);
   float rank_edge(Workbench& bench, Index p, Index q) const;
@@ -126,14 +133,19 @@ class VolumeSimplifier final : public Simplifier {
   std::size_t collapse_in_order(std::vector<Candidate>& candidates, float limit, const Limits& limits);
   Try attempt(Candidate candidate, float limit, double error, Workbench& bench, const Patch* within,
               RunCounts& counts);
+  std::size_t join(float limit, const Limits& limits);
+  bool attempt_join(const PointPair& pair, float limit, double error, Workbench& bench, RunCounts& counts);
   std::size_t wanted(const Limits& limits) const;
   std::vector<Candidate> take_all_below(float limit);
 
+  AttributeChannels channels_;
   LargeList<PointMatrix> matrices_;   // by point
+  LargeList<float> attribute_sums_;   // by point, see `add_rank_sums`
   LargeList<unsigned char> touched_;  // by point: an end of a collapse of this pass
   std::vector<Patch> patches_, shifted_;
   double rank_scale_ = 1;
   std::size_t refused_ = 0;  // edges that the last pass refused
+  bool has_joined_ = false;  // since the points were classified
 };
 
 template <typename Work>
@@ -145,7 +157,14 @@ void VolumeSimplifier::start_pass() {
   pack(table_);
   const std::size_t n = table_.n_points();
   touched_.assign(n, 0);
+  if (std::exchange(has_joined_, false)) {
+    PointClassifier classifier(table_, options_.lock_borders);
+    for (Index p = 0; p < n; ++p) {
+      if (table_.classes[p] != PointClass::smooth) table_.classes[p] = classifier.classify(p);
+    }
+  }
   matrices_.resize(n);
+  if (!channels_.empty()) attribute_sums_.resize(n * channels_.rank_stride());
   const std::size_t size = std::clamp(n / k_patches, k_least_patch, k_largest_patch);
   patches_.resize((n + size - 1) / size);
   for (std::size_t i = 0; i < patches_.size(); ++i) {
@@ -158,8 +177,8 @@ void VolumeSimplifier::start_pass() {
 /// Negative for an edge that must stay.
 float VolumeSimplifier::rank_edge(Workbench& bench, Index p, Index q) const {
   if (table_.classes[p] == PointClass::smooth && table_.classes[q] == PointClass::smooth) {
-    return rank_smooth_edge(table_.positions[p], table_.positions[q], matrices_[p], matrices_[q], rank_scale_,
-                            options_.placement);
+    return rank_smooth_edge(table_.positions[p], table_.positions[q], matrices_[p], matrices_[q],
+                            rank_sums(p), rank_sums(q), rank_scale_, options_.placement);
   }
   if (!edge_freedom(table_, p, q).allowed) return -1;
   bench.rings.gather(table_, p, q);
@@ -204,8 +223,19 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p, std::
   }
 }
 
+/// What `rank_edge` needs of the patch's points.
+void VolumeSimplifier::make_matrices(const Patch& patch) {
+  std::vector<double> scratch;
+  for (Index p = patch.first; p < patch.last; ++p) {
+    matrices_[p] = point_matrix(table_, p, rank_scale_);
+    if (channels_.empty() || table_.classes[p] != PointClass::smooth) continue;
+    float* const sums = attribute_sums_.data() + p * channels_.rank_stride();
+    add_rank_sums(table_, channels_, p, rank_scale_, matrices_[p], sums, scratch);
+  }
+}
+
 void VolumeSimplifier::rank(Patch& patch) {
-  Workbench bench(table_, options_.placement);
+  Workbench bench(table_, channels_, options_.placement);
   std::vector<Index> seen;
   patch.candidates.reserve(3 * (patch.last - patch.first) + 64);
   for (Index p = patch.first; p < patch.last; ++p) rank_point(patch, bench, p, seen);
@@ -243,6 +273,7 @@ VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit
     return Try::refused;
   }
   counts.add(apply_collapse(table_, collapse));
+  if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
   counts.error = std::max(counts.error, deviation);
   table_.deviation[collapse.kept] = static_cast<float>(deviation);
   touched_[first] = touched_[second] = 1;
@@ -253,7 +284,7 @@ void VolumeSimplifier::collapse_inside(Patch& patch, float limit, double error) 
   const auto cheap = std::partition(patch.candidates.begin(), patch.candidates.end(),
                                     [&](Candidate c) { return cost_of(c) <= limit; });
   std::sort(patch.candidates.begin(), cheap);
-  Workbench bench(table_, options_.placement);
+  Workbench bench(table_, channels_, options_.placement);
   for (auto c = patch.candidates.begin(); c != cheap; ++c) {
     const Try result = attempt(*c, limit, error, bench, &patch, patch.counts);
     if (result == Try::outside) patch.across.push_back(*c);
@@ -296,7 +327,7 @@ void VolumeSimplifier::shift_patches(const std::vector<Candidate>& candidates) {
 std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidates, float limit,
                                                 const Limits& limits) {
   std::sort(candidates.begin(), candidates.end());
-  Workbench bench(table_, options_.placement);
+  Workbench bench(table_, channels_, options_.placement);
   std::size_t done = 0;
   for (const Candidate candidate : candidates) {
     if (reached(limits)) break;
@@ -304,6 +335,50 @@ std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidat
     const Try result = attempt(candidate, limit, limits.error, bench, nullptr, counts);
     if (result == Try::done) ++done;
     if (result == Try::refused) ++refused_;
+    count(counts);
+  }
+  return done;
+}
+
+/// Joins a pair when that costs no more than the limit. What it is afterwards the next pass finds out.
+bool VolumeSimplifier::attempt_join(const PointPair& pair, float limit, double error, Workbench& bench,
+                                    RunCounts& counts) {
+  const auto [first, second] = pair;
+  if (touched_[first] != 0 || touched_[second] != 0) return false;
+  const EdgeFreedom freedom = join_freedom(table_, first, second, options_.lock_borders);
+  if (!freedom.allowed) return false;
+  bench.rings.gather(table_, first, second);
+  const CollapsePlan plan = bench.planner.plan_join(bench.rings, freedom, first, second);
+  if (plan.cost * std::pow(rank_scale_, 6) > static_cast<double>(limit)) return false;
+  const Collapse& collapse = plan.collapse;
+  if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
+  const double deviation = local_deviation(table_, bench.rings, collapse);
+  const std::optional<Refusal> refused =
+      deviation > error ? Refusal::error : bench.rules.join_refusal(bench.rings, collapse);
+  if (refused) {
+    ++counts.refused[*refused];
+    return false;
+  }
+  counts.add(apply_collapse(table_, collapse));
+  if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
+  ++counts.joined;
+  counts.error = std::max(counts.error, deviation);
+  table_.deviation[collapse.kept] = static_cast<float>(deviation);
+  table_.classes[collapse.kept] = PointClass::fixed;
+  touched_[first] = touched_[second] = 1;
+  has_joined_ = true;
+  return true;
+}
+
+/// Joins points of different parts up to a cost. Returns how many pairs.
+std::size_t VolumeSimplifier::join(float limit, const Limits& limits) {
+  if (table_.joins.empty()) return 0;
+  Workbench bench(table_, channels_, options_.placement);
+  std::size_t done = 0;
+  for (const PointPair& pair : table_.joins) {
+    if (reached(limits)) break;
+    RunCounts counts;
+    if (attempt_join(pair, limit, limits.error, bench, counts)) ++done;
     count(counts);
   }
   return done;
@@ -333,9 +408,7 @@ std::vector<Candidate> VolumeSimplifier::take_all_below(float limit) {
 std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   ++counts_.passes;
   start_pass();
-  each_patch(patches_, [&](Patch& patch) {
-    for (Index p = patch.first; p < patch.last; ++p) matrices_[p] = point_matrix(table_, p, rank_scale_);
-  });
+  each_patch(patches_, [&](const Patch& patch) { make_matrices(patch); });
   each_patch(patches_, [&](Patch& patch) { rank(patch); });
   CostHistogram histogram;
   std::size_t n_candidates = 0;
@@ -345,7 +418,8 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
     count(patch.counts);
     patch.counts = {};
   }
-  if (n_candidates == 0) return 0;
+  constexpr float k_any_cost = std::numeric_limits<float>::infinity();
+  if (n_candidates == 0) return join(k_any_cost, limits);
   report_progress(progress, "simplify", fraction_done(limits));
   const std::size_t left = wanted(limits);
   const auto points = static_cast<double>(table_.n_alive_points);
@@ -356,6 +430,7 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   if (static_cast<double>(left) > k_last_share * points) {
     goal += std::min(left, static_cast<std::size_t>(k_pass_share * points));
     const float limit = histogram.limit(goal, false);
+    join(limit, limits);
     std::vector<Candidate> across = collapse_inside_all(patches_, limit, limits.error);
     // The rims of the patches lie inside of patches that are shifted by half of one.
     shift_patches(across);
@@ -365,8 +440,9 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   } else {
     goal += static_cast<std::size_t>(k_last_reach * static_cast<double>(left));
     const float limit = histogram.limit(goal, true);
+    done = join(limit, limits);
     std::vector<Candidate> all = take_all_below(limit);
-    done = collapse_in_order(all, limit, limits);
+    done += collapse_in_order(all, limit, limits);
   }
   // Everything cheap was refused: the pass must still get somewhere.
   for (; done == 0 && goal < n_candidates; goal *= 4) {
@@ -374,6 +450,7 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
     std::vector<Candidate> all = take_all_below(limit);
     done = collapse_in_order(all, limit, limits);
   }
+  if (done == 0) done = join(k_any_cost, limits);
   return done;
 }
 

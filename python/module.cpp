@@ -77,6 +77,13 @@ void read(const py::dict& from, const char* key, std::optional<Value>& to) {
   if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
 }
 
+void read(const py::dict& from, const char* key, std::vector<std::pair<std::string, double>>& to) {
+  if (!from.contains(key)) return;
+  for (const auto& [name, weight] : from[key].cast<py::dict>()) {
+    to.emplace_back(name.cast<std::string>(), weight.cast<double>());
+  }
+}
+
 template <typename Choice>
 void read_choice(const py::dict& from, const char* key, const std::map<std::string, Choice>& names,
                  Choice& to) {
@@ -118,6 +125,12 @@ SimplifyOptions read_options(const py::dict& from) {
   read(from, "lock_borders", options.lock_borders);
   read(from, "keep_uv_seams", options.keep_uv_seams);
   read(from, "keep_normal_seams", options.keep_normal_seams);
+  read(from, "join_distance", options.join_distance);
+  read(from, "drop_parts", options.drop_parts);
+  read(from, "uv_weight", options.weights.uv);
+  read(from, "normal_weight", options.weights.normal);
+  read(from, "color_weight", options.weights.color);
+  read(from, "scalar_weights", options.weights.scalars);
   read(from, "keep_polygons", options.keep_polygons);
   read(from, "normal_threshold", options.normal_threshold);
   read(from, "candidate_share", options.candidate_share);
@@ -209,14 +222,18 @@ Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, co
 
 Mesh mesh_from_arrays(const py::handle& positions, const py::handle& faces, const py::handle& corner_uvs,
                       const py::handle& corner_normals, const py::handle& vertex_colors,
-                      const py::handle& face_materials, std::vector<Material> materials,
-                      const py::handle& feature_edges) {
+                      const py::dict& vertex_scalars, const py::handle& face_materials,
+                      std::vector<Material> materials, const py::handle& feature_edges) {
   PolygonSoup soup;
   soup.positions = read_rows_of_3(positions, "positions");
   read_faces(faces, soup);
   if (!corner_uvs.is_none()) soup.corner_uvs = read_rows_of_2(corner_uvs, "corner_uvs");
   if (!corner_normals.is_none()) soup.corner_normals = read_rows_of_3(corner_normals, "corner_normals");
   if (!vertex_colors.is_none()) soup.vertex_colors = read_rows_of_4(vertex_colors, "vertex_colors");
+  for (const auto& [name, values] : vertex_scalars) {
+    const auto text = name.cast<std::string>();
+    soup.vertex_scalars.push_back({text, read_numbers(values, text)});
+  }
   if (!face_materials.is_none()) soup.face_materials = read_indices(face_materials, "face_materials", true);
   soup.materials = std::move(materials);
   if (!feature_edges.is_none()) {
@@ -275,8 +292,9 @@ void bind_mesh(py::module_& m) {
   py::class_<Mesh>(m, "Mesh")
       .def(py::init(&mesh_from_arrays), py::arg("positions"), py::arg("faces"), py::kw_only(),
            py::arg("corner_uvs") = py::none(), py::arg("corner_normals") = py::none(),
-           py::arg("vertex_colors") = py::none(), py::arg("face_materials") = py::none(),
-           py::arg("materials") = std::vector<Material>{}, py::arg("feature_edges") = py::none())
+           py::arg("vertex_colors") = py::none(), py::arg("vertex_scalars") = py::dict(),
+           py::arg("face_materials") = py::none(), py::arg("materials") = std::vector<Material>{},
+           py::arg("feature_edges") = py::none())
       .def_property_readonly("n_vertices", [](const Mesh& mesh) { return mesh.soup->positions.size(); })
       .def_property_readonly("n_faces", [](const Mesh& mesh) { return mesh.soup->n_faces(); })
       .def_property_readonly("positions",
@@ -311,6 +329,14 @@ void bind_mesh(py::module_& m) {
                                const auto& list = soup_of(s).vertex_colors;
                                return view_or_none<std::vector<Vec4>>(s, list, list.empty(), &rows_of);
                              })
+      .def_property_readonly("vertex_scalars",
+                             [=](const py::object& s) {
+                               py::dict scalars;
+                               for (const VertexScalar& scalar : soup_of(s).vertex_scalars) {
+                                 scalars[py::str(scalar.name)] = items_of(scalar.values, s);
+                               }
+                               return scalars;
+                             })
       .def_property_readonly("face_materials",
                              [=](const py::object& s) {
                                const auto& list = soup_of(s).face_materials;
@@ -338,6 +364,9 @@ void bind_results(py::module_& m) {
       .def_property_readonly("vertices_before", [](const Simplified& s) { return s.report.vertices_before; })
       .def_property_readonly("vertices_after", [](const Simplified& s) { return s.report.vertices_after; })
       .def_property_readonly("collapses", [](const Simplified& s) { return s.report.collapses; })
+      .def_property_readonly("joined", [](const Simplified& s) { return s.report.joined; })
+      .def_property_readonly("dropped_parts", [](const Simplified& s) { return s.report.dropped_parts; })
+      .def_property_readonly("dropped_faces", [](const Simplified& s) { return s.report.dropped_faces; })
       .def_property_readonly("passes", [](const Simplified& s) { return s.report.passes; })
       .def_property_readonly("error_bound", [](const Simplified& s) { return s.report.error_bound; })
       .def_property_readonly("error_lower", [](const Simplified& s) { return s.report.error_lower; })

@@ -17,14 +17,25 @@ py::array view_rows(const std::vector<Vector>& list, py::handle owner) {
   return array;
 }
 
+template <typename Item>
+py::array view_items(const std::vector<Item>& list, py::handle owner) {
+  py::array_t<Item> array({static_cast<py::ssize_t>(list.size())}, list.data(), owner);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+/// Throws for what numpy can't make numbers of.
+py::array_t<double, py::array::c_style> read_array(const py::handle& source, const std::string& what) {
+  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(source);
+  if (array) return array;
+  PyErr_Clear();
+  throw InputError(what + " must be an array of numbers");
+}
+
 template <typename Vector>
 std::vector<Vector> read_rows(const py::handle& source, const std::string& what) {
   constexpr auto k_columns = static_cast<py::ssize_t>(Vector::RowsAtCompileTime);
-  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(source);
-  if (!array) {
-    PyErr_Clear();
-    throw InputError(what + " must be an array of numbers");
-  }
+  const auto array = read_array(source, what);
   if (array.ndim() == 1 && array.shape(0) == 0) return {};
   if (array.ndim() != 2 || array.shape(1) != k_columns) {
     throw InputError(what + " must have " + std::to_string(k_columns) + " numbers in each row");
@@ -60,11 +71,8 @@ py::array rows_of(const std::vector<Vec2>& list, py::handle owner) { return view
 py::array rows_of(const std::vector<Vec3>& list, py::handle owner) { return view_rows(list, owner); }
 py::array rows_of(const std::vector<Vec4>& list, py::handle owner) { return view_rows(list, owner); }
 
-py::array items_of(const std::vector<Index>& list, py::handle owner) {
-  py::array_t<Index> array({static_cast<py::ssize_t>(list.size())}, list.data(), owner);
-  array.attr("flags").attr("writeable") = false;
-  return array;
-}
+py::array items_of(const std::vector<Index>& list, py::handle owner) { return view_items(list, owner); }
+py::array items_of(const std::vector<double>& list, py::handle owner) { return view_items(list, owner); }
 
 std::vector<Vec2> read_rows_of_2(const py::handle& source, const std::string& what) {
   return read_rows<Vec2>(source, what);
@@ -74,6 +82,12 @@ std::vector<Vec3> read_rows_of_3(const py::handle& source, const std::string& wh
 }
 std::vector<Vec4> read_rows_of_4(const py::handle& source, const std::string& what) {
   return read_rows<Vec4>(source, what);
+}
+
+std::vector<double> read_numbers(const py::handle& source, const std::string& what) {
+  const auto array = read_array(source, what);
+  if (array.ndim() != 1) throw InputError(what + " must have one dimension");
+  return {array.data(), array.data() + array.size()};
 }
 
 std::vector<Index> read_indices(const py::handle& source, const std::string& what, bool may_be_none) {

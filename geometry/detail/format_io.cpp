@@ -69,6 +69,11 @@ std::vector<std::string> left_out(const PolygonSoup& soup, const FormatAbility& 
   if (!ability.corner_uvs && !soup.corner_uvs.empty()) result.emplace_back("texture coordinates");
   if (!ability.corner_normals && !soup.corner_normals.empty()) result.emplace_back("normals");
   if (!ability.vertex_colors && !soup.vertex_colors.empty()) result.emplace_back("vertex colours");
+  if (!ability.vertex_scalars) {
+    for (const VertexScalar& scalar : soup.vertex_scalars) {
+      result.push_back(fmt::format("the scalar {} of the vertices", in_quotes(scalar.name)));
+    }
+  }
   if (!ability.materials) add(soup.materials.size(), "material", "materials");
   if (!ability.feature_edges) add(soup.feature_edges.size(), "feature edge", "feature edges");
   return result;

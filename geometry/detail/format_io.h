@@ -78,6 +78,7 @@ struct FormatAbility {
   bool corner_uvs = true;
   bool corner_normals = true;
   bool vertex_colors = true;
+  bool vertex_scalars = false;
   bool materials = true;
   bool feature_edges = true;
 };

@@ -130,6 +130,7 @@ void write_faces(TextWriter& out, const PolygonSoup& soup, const CornerNumbers& 
 
 OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions&) {
   OutputFile output;
+  output.written_without = left_out(soup, {});
   TextWriter out;
   out << "# Written by Recede\n";
   std::size_t renamed = 0;

@@ -44,6 +44,9 @@ struct PlyHeader {
   const PlyElement* find(std::string_view element) const;
 };
 
+/// True for a property of vertices that is part of a position, normal, texture coordinate or colour.
+bool has_own_meaning(std::string_view vertex_property);
+
 /// Throws `InputError` with the line.
 PlyHeader read_ply_header(const InputFile& file);
 

@@ -1,5 +1,6 @@
 // PLY in all three encodings. Known properties of vertices, faces and edges are read whatever their types;
-// all others are skipped, which for lists means reading their counts.
+// other single numbers of vertices
+// are named scalars, and the rest is skipped, which for lists means reading their counts.
 #include <recede/geometry/detail/ply_header.h>
 #include <recede/geometry/detail/text_scanner.h>
 
@@ -92,13 +93,13 @@ class BinarySource {
 
 // Where the value of a vertex property goes: the position, or one of the lists that exist once a property
 // needs them.
-enum class Target { position, normal, uv, color };
+enum class Target { position, normal, uv, color, scalar };
 
 struct VertexColumn {
   PlyProperty property;
   bool known = false;
   Target target = Target::position;
-  int component = 0;
+  int component = 0;  ///< of a scalar: its number
   double scale = 1.0;
 };
 
@@ -193,10 +194,22 @@ class PlyBody {
     source_.skip(property.is_list ? list_count(property) : 1, property.type);
   }
 
+  // A name that occurs twice, as no program writes it, is skipped the second time.
+  void add_scalar(VertexColumn& column, const PlyElement& element) {
+    const std::string& name = column.property.name;
+    const auto same = [&](const VertexScalar& scalar) { return scalar.name == name; };
+    if (std::any_of(soup_.vertex_scalars.begin(), soup_.vertex_scalars.end(), same)) return;
+    column.known = true;
+    column.target = Target::scalar;
+    column.component = static_cast<int>(soup_.vertex_scalars.size());
+    soup_.vertex_scalars.push_back({name, std::vector<double>(element.count)});
+  }
+
   void read_vertices(const PlyElement& element) {
     std::vector<VertexColumn> columns;
     for (const PlyProperty& property : element.properties) {
       columns.push_back(column_of(property));
+      if (!columns.back().known && !property.is_list) add_scalar(columns.back(), element);
       if (!columns.back().known) continue;
       if (columns.back().target == Target::normal) vertex_normals_.resize(element.count, Vec3::Zero());
       if (columns.back().target == Target::uv) vertex_uvs_.resize(element.count, Vec2::Zero());
@@ -226,6 +239,9 @@ class PlyBody {
             break;
           case Target::color:
             soup_.vertex_colors[vertex][column.component] = value / column.scale;
+            break;
+          case Target::scalar:
+            soup_.vertex_scalars[static_cast<std::size_t>(column.component)].values[vertex] = value;
             break;
         }
       }
@@ -394,6 +410,10 @@ class PlyBody {
 };
 
 }  // namespace
+
+bool has_own_meaning(std::string_view vertex_property) {
+  return column_of({.name = std::string(vertex_property)}).known;
+}
 
 PolygonSoup read_ply(const InputFile& file) {
   PlyHeader header = read_ply_header(file);

@@ -88,6 +88,7 @@ void write_header(TextWriter& out, const PolygonSoup& soup, const Layout& layout
   out << "element vertex " << soup.positions.size() << '\n';
   properties(real, {"x", "y", "z"});
   if (!soup.vertex_colors.empty()) properties(color, {"red", "green", "blue", "alpha"});
+  for (const VertexScalar& scalar : soup.vertex_scalars) properties(real, {scalar.name});
   out << "element face " << soup.n_faces() << '\n';
   list(index, "vertex_indices");
   if (!soup.corner_uvs.empty()) list(real, "texcoord");
@@ -100,6 +101,23 @@ void write_header(TextWriter& out, const PolygonSoup& soup, const Layout& layout
   out << "end_header\n";
 }
 
+/// A name that reads back as that of a scalar: one word with another meaning to none.
+bool is_scalar_name(const std::string& name) {
+  return !has_own_meaning(name) &&
+         std::all_of(name.begin(), name.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
+/// Takes the scalars out that PLY can't name. Returns a phrase for each.
+std::vector<std::string> leave_out_unnameable_scalars(PolygonSoup& soup) {
+  std::vector<std::string> left_out;
+  std::erase_if(soup.vertex_scalars, [&](const VertexScalar& scalar) {
+    if (is_scalar_name(scalar.name)) return false;
+    left_out.push_back("the scalar " + in_quotes(scalar.name) + " of the vertices (PLY has no such name)");
+    return true;
+  });
+  return left_out;
+}
+
 template <class Sink>
 class BodyWriter {
  public:
@@ -109,6 +127,7 @@ class BodyWriter {
     for (std::size_t vertex = 0; vertex < soup.positions.size(); ++vertex) {
       put_reals(soup.positions[vertex]);
       if (!soup.vertex_colors.empty()) put_color(soup.vertex_colors[vertex]);
+      for (const VertexScalar& scalar : soup.vertex_scalars) put_real(scalar.values[vertex]);
       sink_.end_element();
     }
     for (std::size_t face = 0; face < soup.n_faces(); ++face) write_face(soup, face);
@@ -179,7 +198,17 @@ class BodyWriter {
 
 }  // namespace
 
-OutputFile format_ply(const std::filesystem::path&, const PolygonSoup& soup, const WriteOptions& options) {
+OutputFile format_ply(const std::filesystem::path& path, const PolygonSoup& soup,
+                      const WriteOptions& options) {
+  const bool nameable = std::all_of(soup.vertex_scalars.begin(), soup.vertex_scalars.end(),
+                                    [](const VertexScalar& scalar) { return is_scalar_name(scalar.name); });
+  if (!nameable) {
+    PolygonSoup rest = soup;
+    const std::vector<std::string> left_out = leave_out_unnameable_scalars(rest);
+    OutputFile output = format_ply(path, rest, options);
+    output.written_without.insert(output.written_without.end(), left_out.begin(), left_out.end());
+    return output;
+  }
   const Layout layout = layout_of(soup, options);
   TextWriter out;
   write_header(out, soup, layout, options.ascii);

@@ -38,6 +38,10 @@ struct EdgeFreedom {
 };
 EdgeFreedom edge_freedom(const CornerTable& table, Index first, Index second);
 
+/// The same for joining two points that no edge connects: only corners and ends of lines keep their places,
+/// and of two of those either may go to the other's. With `keep_fixed` they don't.
+EdgeFreedom join_freedom(const CornerTable& table, Index first, Index second, bool keep_fixed);
+
 /// How much a collapse breaks up polygons with more than three sides: 0 when triangles vanish on all faces of
 /// the edge; 1 when some do, or when a quad's side opposite to the edge belongs to a triangle, so that the
 /// two collapses together take a whole row of quads out; 2 when only larger polygons are shortened.
@@ -58,13 +62,16 @@ class CollapseRules {
 
   /// Why the collapse is refused, or nothing. `rings` are those of the edge.
   std::optional<Refusal> refusal(const EdgeRings& rings, const Collapse& collapse);
+  /// The same for points that no edge connects. They may have common neighbours, whose edges become one.
+  std::optional<Refusal> join_refusal(const EdgeRings& rings, const Collapse& collapse);
 
  private:
   bool breaks_link(const EdgeRings& rings, const Collapse& collapse);
   bool is_third(Index point) const;
   bool face_has_both(const RingCorner& corner, Index other) const;
   bool closes_crease(const Collapse& collapse) const;
-  bool makes_duplicate(const EdgeRings& rings, const Collapse& collapse);
+  bool makes_duplicate(const EdgeRings& rings, const Collapse& collapse, bool look_at_all);
+  std::optional<Refusal> shapes_refusal(const EdgeRings& rings, const Collapse& collapse) const;
   std::optional<Refusal> shape_refusal(const RingCorner& corner, Index moved, const Collapse& collapse) const;
   bool turns_corner(const RingCorner& corner, Index moved, const Collapse& collapse,
                     const Vec3& normal_before, const Vec3& normal_after) const;

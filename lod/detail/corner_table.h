@@ -5,6 +5,7 @@
 #include <recede/geometry/polygon_soup.h>
 #include <recede/lod/detail/large_list.h>
 
+#include <string>
 #include <vector>
 
 namespace recede::detail {
@@ -33,6 +34,12 @@ struct Wedge {
   Vec3 normal = Vec3::Zero();
 };
 
+/// Two points, the lower one first.
+struct PointPair {
+  Index first, second;
+  auto operator<=>(const PointPair&) const = default;
+};
+
 /// Points are numbered along a space-filling curve and faces by their points, so that neighbours lie near
 /// each other in memory and the numbering does not depend on that of the input. Between two calls of `pack`,
 /// faces and corners only die and points only merge; numbers stay.
@@ -43,9 +50,12 @@ struct CornerTable {
   LargeList<float> deviation;      ///< how far removed points near it may stand off, in table units
   LargeList<unsigned char> held;   ///< 1: edges at the point stay; empty: all may go
   LargeList<Vec4> colors;          ///< empty: none
+  LargeList<double> scalars;       ///< one for each of `scalar_names`, point after point
   LargeList<Index> source_vertex;  ///< in the input
   LargeList<Index> ring_start;     ///< one more than points: where the point's corners begin in `ring`
   LargeList<Index> merged;         ///< circular list of the points that became one since `pack`
+
+  std::vector<PointPair> joins;  ///< points of different parts that may become one
 
   // By corner. Corners of a face of a table of triangles stand in threes.
   LargeList<Index> point;            ///< k_no_index: the corner is dead
@@ -65,6 +75,7 @@ struct CornerTable {
 
   LargeList<Wedge> wedges;
   bool has_uvs = false, has_normals = false;
+  std::vector<std::string> scalar_names;
   std::vector<Material> materials;
 
   std::size_t n_alive_faces = 0, n_alive_points = 0;  ///< double-sided faces count twice
@@ -90,6 +101,10 @@ struct CornerTable {
   Index face_size(Index of_face) const { return has_polygons ? loop_size[of_face] : 3; }
   Index face_corner(Index of_face) const { return has_polygons ? loop_start[of_face] : 3 * of_face; }
   bool is_held(Index a, Index b) const { return !held.empty() && (held[a] != 0 || held[b] != 0); }
+  double* point_scalars(Index of_point) { return scalars.data() + of_point * scalar_names.size(); }
+  const double* point_scalars(Index of_point) const {
+    return scalars.data() + of_point * scalar_names.size();
+  }
   Index sides(Index of_face) const { return double_sided.empty() ? 1 : 1 + double_sided[of_face]; }
   bool is_alive(Index corner) const { return point[corner] != k_no_index; }
   bool is_face_alive(Index of_face) const {
@@ -151,6 +166,9 @@ void link_rings(CornerTable& table);
 
 /// Takes out what is dead and numbers the rest anew, in the same order.
 void pack(CornerTable& table);
+
+/// Triangles over the points that cover the live faces, three points each.
+std::vector<Index> fan_triangles(const CornerTable& table);
 
 /// Live faces and points in the order of the input, in object space. Vertices without faces are left out. A
 /// point that never moved has the bits of `source_positions`, those of the input.

@@ -18,6 +18,7 @@ struct Limits {
 /// Counts since the start of the run.
 struct RunCounts {
   std::size_t collapses = 0, interior_collapses = 0, removed_faces = 0, lost_sides = 0, passes = 0;
+  std::size_t joined = 0, dropped_parts = 0, dropped_faces = 0;
   double error = 0;  ///< table units
   RefusedCollapses refused;
   void add(const CollapseEffect& effect);
@@ -62,6 +63,8 @@ class Simplifier {
     return (limits.faces > 0 && table_.n_alive_faces <= limits.faces) ||
            (limits.vertices > 0 && table_.n_alive_points <= limits.vertices);
   }
+  /// Drops parts whose own error is at most `most_error`, table units, until a limit is reached.
+  bool drop(double most_error, const Limits& limits);
   /// Share of the way from `start_faces_` to the limit, for progress.
   double fraction_done(const Limits& limits) const;
   /// Adds to the counts of the run and keeps those of the table.

@@ -12,7 +12,7 @@
 // it.
 #pragma once
 
-#include <recede/lod/detail/collapse_rules.h>
+#include <recede/lod/detail/attribute_cost.h>
 
 namespace recede::detail {
 
@@ -27,14 +27,15 @@ struct SymmetricMatrix {
   }
   /// v . M v
   float form(const Eigen::Vector3f& v) const { return v.dot(times(v)); }
-  /// Adds v v^T.
-  void add_square(const Eigen::Vector3f& v) {
-    xx += v.x() * v.x();
-    xy += v.x() * v.y();
-    xz += v.x() * v.z();
-    yy += v.y() * v.y();
-    yz += v.y() * v.z();
-    zz += v.z() * v.z();
+  /// Adds factor v v^T.
+  void add_square(const Eigen::Vector3f& v, float factor = 1) {
+    const Eigen::Vector3f w = factor * v;
+    xx += w.x() * v.x();
+    xy += w.x() * v.y();
+    xz += w.x() * v.z();
+    yy += w.y() * v.y();
+    yz += w.y() * v.z();
+    zz += w.z() * v.z();
   }
   /// scale * (this + sign * other)
   SymmetricMatrix combined(const SymmetricMatrix& other, float sign, float scale) const {
@@ -61,47 +62,63 @@ struct PointMatrix {
 PointMatrix point_matrix(const CornerTable& table, Index point, double scale);
 
 /// Cost of collapsing an edge between smooth points, from the matrices of its ends; the triangles on the edge
-/// count twice. An approximation for ranking; `scale` as in the matrices.
+/// count twice. An approximation for ranking; `scale` as in the matrices. `sums_at_first` and
+/// `sums_at_second` are those of `add_rank_sums`, empty without attributes.
 float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix& at_first,
-                       const PointMatrix& at_second, double scale, VertexPlacement placement);
+                       const PointMatrix& at_second, std::span<const float> sums_at_first,
+                       std::span<const float> sums_at_second, double scale, VertexPlacement placement);
 
 /// Where an edge goes and what that costs.
 struct CollapsePlan {
   Collapse collapse;  ///< `removed` is k_no_index when the edge must stay
   double cost = 0;    ///< in the unit of `rank_smooth_edge` with scale 1
-  double deviation =
-      0;  ///< root mean square distance of the new place from the planes and lines that it replaces
+  /// Root mean square distance of the new place from the planes and lines that it replaces.
+  double deviation = 0;
+  bool sets_attributes = false;  ///< those that count get new values, see `CollapsePlanner::set_attributes`
 };
 
 /// Evaluates edges exactly. Keeps lists between edges, so that no memory is allocated: one object per thread.
 class CollapsePlanner {
  public:
-  CollapsePlanner(const CornerTable& table, VertexPlacement placement)
-      : table_(table), placement_(placement) {}
+  /// `channels` are empty when no attribute counts.
+  CollapsePlanner(const CornerTable& table, const AttributeChannels& channels, VertexPlacement placement)
+      : table_(table),
+        placement_(placement),
+        has_attributes_(!channels.empty()),
+        attributes_(table, channels) {}
 
   /// `rings` are those of the edge, `first` as removed.
   CollapsePlan plan(const EdgeRings& rings, Index first, Index second);
 
+  /// The same for two points that no edge connects.
+  CollapsePlan plan_join(const EdgeRings& rings, const EdgeFreedom& freedom, Index first, Index second);
+
+  /// After the last plan was carried out: the best values of the attributes that count.
+  void set_attributes(CornerTable& table, const Collapse& collapse) {
+    attributes_.write_best(table, collapse.kept, collapse.position - center_);
+  }
+
  private:
   void gather(const EdgeRings& rings, Index first, Index second);
-  void add_corner(const RingCorner& corner, Index at, Index other);
-  void add_triangle(const Vec3& at, const Vec3& before, const Vec3& after);
+  void add_corner(const RingCorner& corner, Index other);
+  void add_triangle(Index at, Index before, Index after);
   void add_lines(Index first, Index second);
   void add_line(const Vec3& through, const Vec3& along);
   Vec3 best_place() const;
   Vec3 best_place_on_line(const Vec3& before, const Vec3& after) const;
-  double swept_at(const Vec3& place) const;
   CollapsePlan plan_at(Index removed, Index kept, const Vec3& place, double share) const;
-  CollapsePlan plan_at_ends(const EdgeFreedom& freedom, Index first, Index second) const;
-  bool is_flat(const CollapsePlan& plan) const;
+  CollapsePlan plan_at_ends(const EdgeFreedom& freedom, Index first, Index second);
+  bool is_free(const CollapsePlan& plan) const;
 
   const CornerTable& table_;
   VertexPlacement placement_;
   Vec3 center_ = Vec3::Zero();
-  // cost(x) = x.matrix x - 2 pull.x + constant; the volume stays where volume_normal.x = volume.
-  Eigen::Matrix3d matrix_ = Eigen::Matrix3d::Zero();
-  Vec3 pull_ = Vec3::Zero(), volume_normal_ = Vec3::Zero();
-  double constant_ = 0, volume_ = 0;
+  bool has_attributes_;
+  AttributeCost attributes_;
+  QuadraticForm shape_, cost_;  // what is swept; and with attributes
+  // The volume stays where volume_normal.x = volume.
+  Vec3 volume_normal_ = Vec3::Zero();
+  double volume_ = 0;
   Vec3 half_edge_ = Vec3::Zero();  // from the middle to the second point
   double half_length_squared_ = 0;
   std::vector<Index> neighbours_;

@@ -67,7 +67,8 @@ def write(path: Path, mesh: Mesh) -> list[str]:
 
 def _simplify_options(options: Mapping[str, Any]) -> tuple[dict[str, Any], float]:
     known = {"cost", "placement", "prove_error", "lock_borders", "keep_uv_seams", "keep_normal_seams",
-             "keep_polygons", "normal_threshold", "candidate_share", "seed", "feature_angle"}
+             "keep_polygons", "uv_weight", "normal_weight", "color_weight", "scalar_weights",
+             "join_distance", "drop_parts", "normal_threshold", "candidate_share", "seed", "feature_angle"}
     for name in options:
         if name not in known:
             raise TypeError(f"unexpected option {name!r}; known are {', '.join(sorted(known))}")
@@ -92,7 +93,9 @@ def simplify(mesh: Mesh, *, faces: int | None = None, vertices: int | None = Non
     Options: `cost` ("volume", or "normal_deviation"), `placement` ("automatic", "half_edge", "midpoint",
     "optimal"), `prove_error` (True; False: errors are estimated only, and faster), `feature_angle` (degrees: keep
     edges sharper than this; 0: none), `lock_borders` (False), `keep_uv_seams`, `keep_normal_seams`,
-    `keep_polygons` (True), and for normal_deviation `normal_threshold` (0.99), `candidate_share` (0.01), `seed` (1).
+    `keep_polygons` (True); how much attributes count, as shares of the longest side that a change by one is worth:
+    `uv_weight`, `normal_weight`, `color_weight`, `scalar_weights` (a dict by name); `join_distance` (0: parts stay
+    apart) and `drop_parts` (False) for parts that no face connects; and for normal_deviation `normal_threshold` (0.99), `candidate_share` (0.01), `seed` (1).
 
     Raises `OptionError` for options out of range, `InputError` for a mesh that can't be used.
     """

@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -48,6 +48,7 @@ class Mesh:
         corner_uvs: Optional[npt.ArrayLike] = None,
         corner_normals: Optional[npt.ArrayLike] = None,
         vertex_colors: Optional[npt.ArrayLike] = None,
+        vertex_scalars: Mapping[str, npt.ArrayLike] = ...,
         face_materials: Optional[npt.ArrayLike] = None,
         materials: Sequence[Material] = ...,
         feature_edges: Optional[npt.ArrayLike] = None,
@@ -81,6 +82,9 @@ class Mesh:
     def vertex_colors(self) -> Optional[npt.NDArray[np.float64]]:
         """V x 4, linear, with opacity; or None"""
     @property
+    def vertex_scalars(self) -> dict[str, npt.NDArray[np.float64]]:
+        """V numbers each, by name"""
+    @property
     def face_materials(self) -> Optional[npt.NDArray[np.uint32]]:
         """F places in `materials` (0xffffffff: none), or None"""
     @property
@@ -106,6 +110,13 @@ class SimplifyResult:
     def vertices_after(self) -> int: ...
     @property
     def collapses(self) -> int: ...
+    @property
+    def joined(self) -> int:
+        """Pairs of points of different parts that became one."""
+    @property
+    def dropped_parts(self) -> int: ...
+    @property
+    def dropped_faces(self) -> int: ...
     @property
     def passes(self) -> int: ...
     @property

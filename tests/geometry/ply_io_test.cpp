@@ -179,7 +179,7 @@ TEST(PlyRoundTrip, GivesBackRandomSoupsExactlyInBothEncodings) {
   const TempFolder folder;
   for (unsigned seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE(seed);
-    PolygonSoup soup = random_soup(seed, {.attributes = seed % 5 != 0});
+    PolygonSoup soup = random_soup(seed, {.attributes = seed % 5 != 0, .scalars = seed % 2 != 0});
     if (seed % 3 == 1) {  // colours as most programs have them
       for (Vec4& color : soup.vertex_colors) color = (color * 255.0).array().round().matrix() / 255.0;
     }

@@ -23,7 +23,8 @@ def square():
 def test_a_mesh_gives_back_the_arrays_it_was_made_of():
     positions = np.random.default_rng(1).random((5, 3))
     mesh = recede.Mesh(positions, [[0, 1, 2, 3], [0, 3, 4]], corner_uvs=np.ones((7, 2)),
-                       vertex_colors=np.full((5, 4), 0.5), face_materials=[0, -1],
+                       vertex_colors=np.full((5, 4), 0.5),
+                       vertex_scalars={"quality": np.arange(5.0)}, face_materials=[0, -1],
                        materials=[recede.Material("red", (1, 0, 0, 1))], feature_edges=[[0, 1]])
     assert np.array_equal(mesh.positions, positions)
     assert mesh.faces == [[0, 1, 2, 3], [0, 3, 4]]
@@ -33,7 +34,35 @@ def test_a_mesh_gives_back_the_arrays_it_was_made_of():
     assert mesh.face_materials.tolist() == [0, 0xFFFFFFFF]
     assert mesh.materials[0].name == "red" and mesh.materials[0].base_color == (1, 0, 0, 1)
     assert mesh.feature_edges == [(0, 1)]
+    assert mesh.vertex_scalars["quality"].tolist() == [0, 1, 2, 3, 4]
     assert mesh.triangles.shape == (3, 3)
+
+
+def test_scalars_count_by_their_weights_and_are_written(sphere, tmp_path):
+    stripes = np.sign(np.sin(8 * sphere.positions[:, 0]))
+    ball = recede.Mesh(sphere.positions, sphere.faces, vertex_scalars={"stripes": stripes})
+    blind = recede.simplify(ball, ratio=0.1).mesh
+    seen = recede.simplify(ball, ratio=0.1, scalar_weights={"stripes": 0.05}).mesh
+
+    def shares(mesh):  # of the vertices that still have one of the two values
+        return np.mean(np.abs(mesh.vertex_scalars["stripes"]) > 0.9)
+
+    assert shares(seen) > shares(blind)
+    recede.write(tmp_path / "ball.ply", seen)
+    assert np.array_equal(recede.read(tmp_path / "ball.ply").vertex_scalars["stripes"], seen.vertex_scalars["stripes"])
+    with pytest.raises(recede.OptionError, match="dots"):
+        recede.simplify(ball, ratio=0.1, scalar_weights={"dots": 1})
+    with pytest.raises(recede.InputError, match="stripes"):
+        recede.Mesh(ball.positions, ball.faces, vertex_scalars={"stripes": stripes[1:]})
+
+
+def test_parts_are_dropped_and_joined_on_request():
+    grid = [[x, y, 0] for x in range(4) for y in range(4)]
+    quads = [[4 * i + j, 4 * i + j + 4, 4 * i + j + 5, 4 * i + j + 1] for i in range(3) for j in range(3)]
+    two = recede.Mesh(grid + [[x + 3.1, y, 0.1 * x * x] for x, y, _ in grid],
+                      quads + [[v + 16 for v in face] for face in quads])
+    assert recede.simplify(two, faces=1, drop_parts=True).dropped_parts == 1
+    assert recede.simplify(two, faces=1, join_distance=0.2).joined > 0
 
 
 def test_faces_of_one_size_are_one_array():

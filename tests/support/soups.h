@@ -14,8 +14,9 @@ namespace recede::test {
 /// Polygons over random vertices, three to seven corners each; indices, attributes and materials from a seed.
 struct RandomSoupOptions {
   bool attributes =
-      true;             ///< all attribute lists, materials and feature edges; else positions and faces only
-  bool floats = false;  ///< every number fits a 32-bit float
+      true;              ///< all attribute lists, materials and feature edges; else positions and faces only
+  bool scalars = false;  ///< and two named scalars
+  bool floats = false;   ///< every number fits a 32-bit float
 };
 inline PolygonSoup random_soup(unsigned seed, const RandomSoupOptions& options = {}) {
   std::mt19937 random(seed);
@@ -44,6 +45,12 @@ inline PolygonSoup random_soup(unsigned seed, const RandomSoupOptions& options =
   }
   for (std::size_t v = 0; v < n_vertices; ++v)
     soup.vertex_colors.emplace_back(real(), real(), real(), real());
+  for (const char* name : {"quality", "temperature"}) {
+    if (!options.scalars) break;
+    VertexScalar& scalar = soup.vertex_scalars.emplace_back();
+    scalar.name = name;
+    for (std::size_t v = 0; v < n_vertices; ++v) scalar.values.push_back(real());
+  }
   soup.materials = {{"red oak", {0.5, 0.25, 0.125, 1.0}, "oak planks.png"},
                     {"glass", {0.1, 0.2, 0.3, 0.4}, ""}};
   for (std::size_t f = 0; f < n_faces; ++f) soup.face_materials.push_back(f == 0 ? 0 : f == 1 ? 1 : index(2));
@@ -70,6 +77,7 @@ inline void expect_equal(const PolygonSoup& a, const PolygonSoup& b) {
   EXPECT_EQ(a.corner_uvs, b.corner_uvs);
   EXPECT_EQ(a.corner_normals, b.corner_normals);
   EXPECT_EQ(a.vertex_colors, b.vertex_colors);
+  EXPECT_TRUE(a.vertex_scalars == b.vertex_scalars);
   EXPECT_EQ(a.face_materials, b.face_materials);
   EXPECT_EQ(a.materials.size(), b.materials.size());
   EXPECT_TRUE(a.materials == b.materials);
