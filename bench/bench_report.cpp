@@ -139,12 +139,6 @@ constexpr const char* k_csv_header =
     "diagonal,"
     "new_border_edges,new_non_manifold_edges,new_degenerate_faces,quad_share\n";
 
-std::string quoted(std::string text) {
-  std::replace(text.begin(), text.end(), '"', '\'');
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return '"' + text + '"';
-}
-
 std::string csv_line(const Row& row, const std::string& kind) {
   const std::string status = !row.figures ? "failed" : row.reached_target() ? "done" : "above target";
   std::string line = fmt::format(
@@ -242,6 +236,12 @@ void write_plots(const BenchResults& results, const std::filesystem::path& folde
 }
 
 }  // namespace
+
+std::string quoted(std::string text) {
+  std::replace(text.begin(), text.end(), '"', '\'');
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return '"' + text + '"';
+}
 
 std::string summary_tables(const BenchResults& results) {
   std::string text;

@@ -16,10 +16,6 @@ const Goal k_hundredth{.name = "1 % of the faces", .face_share = 0.01};
 const Goal k_end{.name = "to its end"};
 const Goal k_quarter{.name = "25 % of the vertices", .vertex_share = 0.25};
 
-bool is_wanted(const std::string& name, const std::string& expression) {
-  return expression.empty() || std::regex_search(name, std::regex(expression));
-}
-
 std::vector<Goal> goals_for(const System& system, bool polygons) {
   if (polygons) return system.takes_polygons ? std::vector{k_quarter} : std::vector<Goal>{};
   if (!system.takes_triangles) return {};
@@ -49,18 +45,22 @@ void print_row(const Row& row) {
              f.cpu_seconds, errors, row.remark.empty() ? "" : "; ", row.remark);
 }
 
-std::vector<System> wanted_systems(const BenchOptions& options) {
-  std::vector<System> systems = all_systems();
-  std::erase_if(systems, [&](const System& system) { return !is_wanted(system.name, options.systems); });
-  return systems;
-}
-
 std::vector<ModelSource> wanted(std::vector<ModelSource> sources, const BenchOptions& options) {
   std::erase_if(sources, [&](const ModelSource& source) { return !is_wanted(source.name, options.models); });
   return sources;
 }
 
 }  // namespace
+
+bool is_wanted(const std::string& name, const std::string& expression) {
+  return expression.empty() || std::regex_search(name, std::regex(expression));
+}
+
+std::vector<System> wanted_systems(const BenchOptions& options) {
+  std::vector<System> systems = all_systems();
+  std::erase_if(systems, [&](const System& system) { return !is_wanted(system.name, options.systems); });
+  return systems;
+}
 
 BenchResults run_bench(const BenchOptions& options,
                        const std::function<void(const BenchResults&)>& after_model) {

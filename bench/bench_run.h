@@ -22,6 +22,10 @@ struct BenchResults {
   double load_at_start = 0, load_at_end = 0;  ///< processes that want to run, mean of one minute
 };
 
+bool is_wanted(const std::string& name, const std::string& expression);
+/// Those that `options.systems` finds.
+std::vector<System> wanted_systems(const BenchOptions& options);
+
 /// `after_model` is called whenever a model is done, so that an interrupted run leaves something. Throws
 /// `InputError` when a model can't be had.
 BenchResults run_bench(const BenchOptions& options,

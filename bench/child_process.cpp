@@ -110,6 +110,30 @@ void forget_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
+std::string ByteReader::take_text() {
+  std::vector<char> letters;
+  take(letters);
+  return {letters.begin(), letters.end()};
+}
+
+PolygonSoup ByteReader::take_soup() {
+  PolygonSoup soup;
+  take(soup.positions);
+  take(soup.face_offsets);
+  take(soup.corner_vertices);
+  return soup;
+}
+
+void put(std::string& bytes, const std::string& text) {
+  put(bytes, std::vector<char>(text.begin(), text.end()));
+}
+
+void put(std::string& bytes, const PolygonSoup& soup) {
+  put(bytes, soup.positions);
+  put(bytes, soup.face_offsets);
+  put(bytes, soup.corner_vertices);
+}
+
 void ByteReader::copy(void* to, std::size_t size) {
   if (size > bytes_.size()) throw InputError("a child process gave too few bytes");
   if (size > 0) std::memcpy(to, bytes_.data(), size);

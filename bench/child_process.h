@@ -2,6 +2,8 @@
 // a crash costs one row.
 #pragma once
 
+#include <recede/geometry/polygon_soup.h>
+
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -44,6 +46,8 @@ class ByteReader {
     values.resize(take<std::size_t>());
     copy(values.data(), values.size() * sizeof(T));
   }
+  std::string take_text();
+  PolygonSoup take_soup();
 
  private:
   void copy(void* to, std::size_t size);
@@ -61,5 +65,9 @@ void put(std::string& bytes, const std::vector<T>& values) {
   put(bytes, values.size());
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
 }
+
+void put(std::string& bytes, const std::string& text);
+/// Positions and faces.
+void put(std::string& bytes, const PolygonSoup& soup);
 
 }  // namespace recede::bench

@@ -1,5 +1,7 @@
 // recede_bench: simplification measured, ours beside the peers, on the same inputs in one run.
 #include "bench_report.h"
+#include "hard_case_run.h"
+#include "same_bytes.h"
 #include <recede/geometry/error.h>
 
 #include <CLI/CLI.hpp>
@@ -14,12 +16,24 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "folder for results.csv, results.md and the plots (out/bench)");
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
+  bool hard_cases = false, same_bytes = false;
+  app.add_flag("--hard-cases", hard_cases,
+               "instead, what every system gives on meshes that break simplifiers");
+  app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
   app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
-  app.add_option("--models", options.models, "only models whose name this regular expression finds");
+  app.add_option("--models", options.models, "only models or hard cases whose name this expression finds");
   CLI11_PARSE(app, argc, argv);
   try {
+    if (hard_cases) {
+      recede::bench::write_hard_cases(recede::bench::run_hard_cases(options), options.out);
+      return 0;
+    }
+    if (same_bytes) {
+      fmt::print("{}", recede::bench::same_bytes_table(options.data.parent_path()));
+      return 0;
+    }
     const auto results = recede::bench::run_bench(
         options, [&](const auto& so_far) { recede::bench::write_report(so_far, options.out); });
     fmt::print("{}", recede::bench::summary_tables(results));

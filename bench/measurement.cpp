@@ -4,6 +4,7 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
 
+#include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
@@ -87,16 +88,16 @@ void judge(const Model& model, const Outcome& outcome, Figures& figures) {
   figures.rms = distance.rms / distance.diagonal;
   figures.bound = distance.max_bound.value_or(0) / distance.diagonal;
   figures.reported = outcome.reported_error / distance.diagonal;
-  const SurfaceDefects now = count_defects(outcome.result), before = model.defects;
-  figures.new_defects = {excess(now.border_edges, before.border_edges),
-                         excess(now.non_manifold_edges, before.non_manifold_edges),
-                         excess(now.degenerate_faces, before.degenerate_faces)};
+  figures.new_defects = new_defects(count_defects(outcome.result), model.defects);
 }
 
 std::string measure_here(const System& system, const Model& model, const SimplifyTarget& target,
                          const MeasureOptions& options) {
   Figures figures;
   const Outcome outcome = time_runs(system, model.soup, target, options.repeats, figures);
+  if (outcome.refused_faces > 0) {
+    throw Error(fmt::format("refuses {} faces as not manifold", outcome.refused_faces));
+  }
   figures.faces = outcome.result.n_faces();
   figures.vertices = outcome.result.positions.size();
   if (figures.faces == 0) throw Error("the result is empty");

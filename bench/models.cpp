@@ -66,19 +66,12 @@ PolygonSoup load_model(const ModelSource& source) {
         remove_unreferenced_vertices(soup);
         split_non_manifold(soup);
         std::string bytes;
-        put(bytes, soup.positions);
-        put(bytes, soup.face_offsets);
-        put(bytes, soup.corner_vertices);
+        put(bytes, soup);
         return bytes;
       },
       k_load_seconds);
   if (!answer.succeeded) throw InputError(fmt::format("{}: {}", source.name, answer.failure));
-  PolygonSoup soup;
-  ByteReader reader(answer.bytes);
-  reader.take(soup.positions);
-  reader.take(soup.face_offsets);
-  reader.take(soup.corner_vertices);
-  return soup;
+  return ByteReader(answer.bytes).take_soup();
 }
 
 }  // namespace recede::bench

@@ -1,5 +1,9 @@
 #include "systems.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 namespace recede::bench {
 namespace {
 
@@ -12,8 +16,8 @@ Outcome run(const PolygonSoup& soup, const SimplifyTarget& target, CostPolicy co
   const CallMeter meter;
   SimplifySoupResult simplified = simplify(soup, options);
   meter.stop(outcome);
+  outcome.remark = why_it_stopped_early(simplified);
   outcome.result = std::move(simplified.soup);
-  if (simplified.reason == StopReason::no_collapse_left) outcome.remark = to_string(simplified.reason);
   // The same once more with its proof, which is timed by itself.
   options.prove_error = true;
   const SimplifySoupResult proved = simplify(soup, options);
@@ -32,6 +36,16 @@ System make(const std::string& name, const std::string& label, CostPolicy cost) 
 }
 
 }  // namespace
+
+std::string why_it_stopped_early(const SimplifyReport& report) {
+  if (report.reason != StopReason::no_collapse_left) return {};
+  std::string text(to_string(report.reason));
+  const auto& refused = report.refused.counts;
+  const auto most = std::max_element(refused.begin(), refused.end());
+  if (*most == 0) return text;
+  return text +
+         fmt::format(", most are refused for: {}", to_string(static_cast<Refusal>(most - refused.begin())));
+}
 
 void add_our_systems(std::vector<System>& systems) {
   System volume = make("Recede, 1 thread", "Recede, 1", CostPolicy::volume);

@@ -1,5 +1,4 @@
 #include "systems.h"
-#include <recede/geometry/error.h>
 
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
@@ -9,7 +8,6 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/LindstromTurk_placement.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 #include <CGAL/version.h>
-#include <fmt/format.h>
 
 namespace recede::bench {
 namespace {
@@ -27,20 +25,18 @@ struct FaceCountStop {
   }
 };
 
-Mesh to_mesh(const PolygonSoup& soup) {
+Mesh to_mesh(const PolygonSoup& soup, std::size_t& refused_faces) {
   Mesh mesh;
   const auto vertices = static_cast<Mesh::size_type>(soup.positions.size());
   const auto faces = static_cast<Mesh::size_type>(soup.n_faces());
   mesh.reserve(vertices, vertices + faces, faces);
   for (const Vec3& p : soup.positions) mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z()));
-  std::size_t refused = 0;
   for (std::size_t face = 0; face < soup.n_faces(); ++face) {
     const auto corners = soup.face(face);
     const auto added = mesh.add_face(Mesh::Vertex_index(corners[0]), Mesh::Vertex_index(corners[1]),
                                      Mesh::Vertex_index(corners[2]));
-    if (added == Mesh::null_face()) ++refused;
+    if (added == Mesh::null_face()) ++refused_faces;
   }
-  if (refused > 0) throw InputError(fmt::format("refuses {} faces as not manifold", refused));
   return mesh;
 }
 
@@ -66,7 +62,7 @@ template <class Collapse>
 Outcome run(const PolygonSoup& soup, const SimplifyTarget& target, Collapse collapse) {
   Outcome outcome;
   const auto start = std::chrono::steady_clock::now();
-  Mesh mesh = to_mesh(soup);
+  Mesh mesh = to_mesh(soup, outcome.refused_faces);
   outcome.setup_seconds = seconds_since(start);
   const CallMeter meter;
   collapse(mesh, FaceCountStop{target.faces.value()});

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace recede::bench {
@@ -34,10 +35,12 @@ Outcome run(const PolygonSoup& soup, const SimplifyTarget& target) {
   // Only the count is to stop it.
   const float any_error = std::numeric_limits<float>::max();
   float error = 0;
+  // It takes no target above what there is.
+  const std::size_t target_indices = std::min(3 * target.faces.value(), soup.n_corners());
   const CallMeter meter;
   const std::size_t size = meshopt_simplify(
       result.data(), soup.corner_vertices.data(), soup.corner_vertices.size(), positions.data(),
-      soup.positions.size(), stride, 3 * target.faces.value(), any_error, 0u, &error);
+      soup.positions.size(), stride, target_indices, any_error, 0u, &error);
   meter.stop(outcome);
   result.resize(size);
   outcome.reported_error =

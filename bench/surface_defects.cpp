@@ -47,6 +47,13 @@ SurfaceDefects count_defects(PolygonSoup soup) {
   return defects;
 }
 
+SurfaceDefects new_defects(const SurfaceDefects& now, const SurfaceDefects& before) {
+  const auto excess = [](std::size_t more, std::size_t less) { return more > less ? more - less : 0; };
+  return {excess(now.border_edges, before.border_edges),
+          excess(now.non_manifold_edges, before.non_manifold_edges),
+          excess(now.degenerate_faces, before.degenerate_faces)};
+}
+
 double quad_share(const PolygonSoup& soup) {
   if (soup.n_faces() == 0) return 0;
   std::size_t quads = 0;

@@ -14,6 +14,9 @@ struct SurfaceDefects {
 /// Counts after merging vertices at the same position, so that copies of split vertices aren't borders.
 SurfaceDefects count_defects(PolygonSoup soup);
 
+/// What of `now` wasn't there `before`, by counts.
+SurfaceDefects new_defects(const SurfaceDefects& now, const SurfaceDefects& before);
+
 /// Share of the faces with four sides, 0 to 1.
 double quad_share(const PolygonSoup& soup);
 

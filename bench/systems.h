@@ -22,6 +22,7 @@ struct Outcome {
   double reported_error = 0;        ///< what the system says it did, object units; 0: it says nothing
   std::size_t peak_bytes = 0;       ///< resident memory at its highest, conversion and call
   std::size_t call_peak_bytes = 0;  ///< the same of the call alone, above what was resident before it
+  std::size_t refused_faces = 0;    ///< of the input, that its mesh can't hold; it went on without them
   std::string remark;               ///< why it stopped before its target, when it says so
 };
 
@@ -39,6 +40,9 @@ struct System {
 
 /// All systems of this build, in the order of the tables.
 std::vector<System> all_systems();
+
+/// Our words for a target that wasn't reached, with what collapses were refused for most; else empty.
+std::string why_it_stopped_early(const SimplifyReport& report);
 
 void add_our_systems(std::vector<System>& systems);
 void add_meshoptimizer(std::vector<System>& systems);

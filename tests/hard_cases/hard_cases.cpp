@@ -1,6 +1,6 @@
 #include "hard_cases.h"
 
-#include "meshes.h"
+#include "simple_soups.h"
 #include <recede/geometry/sample_models.h>
 
 #include <Eigen/Geometry>
@@ -12,6 +12,9 @@
 
 namespace recede::test {
 namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 void append(PolygonSoup& to, const PolygonSoup& part) {
   const auto first = static_cast<Index>(to.positions.size());
@@ -124,8 +127,7 @@ PolygonSoup with_holes(PolygonSoup soup) {
   return result;
 }
 
-PolygonSoup with_coordinate(double value) {
-  PolygonSoup soup = make_displaced_sphere(300, true);
+PolygonSoup with_coordinate(PolygonSoup soup, double value) {
   soup.positions[soup.positions.size() / 2].y() = value;
   return soup;
 }
@@ -139,6 +141,13 @@ PolygonSoup turned_grid() {
   PolygonSoup soup = grid(40, true);
   const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
   for (Vec3& p : soup.positions) p = turn * p;
+  return soup;
+}
+
+/// A sheet 1 wide with waves 0.1 high.
+PolygonSoup wavy_sheet(Index n) {
+  PolygonSoup soup = grid(n, true);
+  for (Vec3& p : soup.positions) p.z() = 0.1 * std::sin(5 * p.x()) * std::sin(4 * p.y());
   return soup;
 }
 
@@ -200,8 +209,7 @@ PolygonSoup loose_cubes(Index n) {
   return soup;
 }
 
-PolygonSoup wound_wrong(Index seed) {
-  const PolygonSoup soup = make_displaced_sphere(3000, true);
+PolygonSoup wound_wrong(const PolygonSoup& soup, Index seed) {
   PolygonSoup result;
   result.positions = soup.positions;
   std::mt19937 random(seed);
@@ -214,8 +222,7 @@ PolygonSoup wound_wrong(Index seed) {
 }
 
 PolygonSoup double_sided_sheet(Index n) {
-  PolygonSoup soup = grid(n, true);
-  for (Vec3& p : soup.positions) p.z() = 0.1 * std::sin(5 * p.x()) * std::sin(4 * p.y());
+  PolygonSoup soup = wavy_sheet(n);
   const std::size_t faces = soup.n_faces();
   for (std::size_t f = 0; f < faces; ++f) {
     std::vector<Index> face(soup.face(f).rbegin(), soup.face(f).rend());
@@ -268,38 +275,60 @@ PolygonSoup shuffled(const PolygonSoup& soup, unsigned seed) {
 
 std::vector<HardCase> hard_cases() {
   const PolygonSoup ball = make_displaced_sphere(2000, true);
-  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const PolygonSoup small_ball = make_displaced_sphere(300, true);
   std::vector<HardCase> cases;
-  const auto add = [&](const char* name, PolygonSoup soup) { cases.push_back({name, std::move(soup)}); };
-  add("slivers", sliver_strip(500));
-  add("zero_area_caps", with_caps(ball));
-  add("duplicate_polygons", with_duplicates(ball));
-  add("concave_polygons", concave_polygons());
-  add("prism_of_large_polygons", prism(100));
-  add("three_faces_at_an_edge", fins());
-  add("bow_tie", bow_tie());
-  add("wound_wrong", wound_wrong(1));
-  add("open_borders", with_holes(ball));
-  add("triangle_soup", unwelded(ball));
-  add("double_sided_sheet", double_sided_sheet(20));
-  add("book_of_sheets", book_of_sheets(3, 20));
-  add("hub", fan(3000));
-  add("loose_cubes", loose_cubes(100));
-  add("far_from_the_origin", transformed(ball, 1, Vec3(1e6, -1e6, 1e6)));
-  add("very_small", transformed(ball, 1e-9, Vec3::Zero()));
-  add("very_large", transformed(ball, 1e9, Vec3::Zero()));
-  add("unreferenced_vertices", with_unused_vertices(ball));
-  add("one_triangle", soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
-  for (auto& [name, soup] : {std::pair{"flat_grid", grid(40, true)},
-                             {"turned_flat_grid", turned_grid()},
-                             {"collapsed_grid", collapsed_grid(50)},
-                             {"touching_boxes", touching_boxes()}}) {
-    cases.push_back({name, soup, "", true});
-  }
-  cases.push_back({"not_a_number", with_coordinate(nan), "isn't finite"});
-  cases.push_back({"infinite", with_coordinate(inf), "isn't finite"});
-  add("empty", {});
+  const auto add = [&](const char* name, const char* description, PolygonSoup soup) {
+    cases.push_back({name, description, std::move(soup)});
+  };
+  add("slivers", "strip of triangles of aspect 1e9", sliver_strip(500));
+  add("zero_area_caps", "sphere with triangles without area on every eleventh edge", with_caps(ball));
+  add("duplicate_polygons", "sphere with every seventh face twice", with_duplicates(ball));
+  add("concave_polygons", "combs of 83 corners, bent out of the plane", concave_polygons());
+  add("prism_of_large_polygons", "prism over a polygon of 100 sides", prism(100));
+  add("three_faces_at_an_edge", "sphere with fins on some edges", fins());
+  add("bow_tie", "two spheres that meet in one vertex", bow_tie());
+  add("wound_wrong", "sphere, a third of the faces flipped",
+      wound_wrong(make_displaced_sphere(3000, true), 1));
+  add("open_borders", "sphere without every 37th face", with_holes(ball));
+  add("triangle_soup", "sphere of faces that share no vertex", unwelded(ball));
+  add("double_sided_sheet", "wavy sheet, every face in both orientations", double_sided_sheet(20));
+  add("book_of_sheets", "three sheets that share a spine", book_of_sheets(3, 20));
+  add("hub", "cone of 3000 triangles around one vertex", fan(3000));
+  add("loose_cubes", "100 cubes that don't touch", loose_cubes(100));
+  add("far_from_the_origin", "sphere, 1e6 radii away", transformed(ball, 1, Vec3(1e6, -1e6, 1e6)));
+  add("very_small", "sphere of radius 1e-9", transformed(ball, 1e-9, Vec3::Zero()));
+  add("very_large", "sphere of radius 1e9", transformed(ball, 1e9, Vec3::Zero()));
+  add("unreferenced_vertices", "sphere beside 100 vertices that no face uses", with_unused_vertices(ball));
+  add("one_triangle", "nothing to collapse", soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
+  const auto add_flat = [&](const char* name, const char* description, PolygonSoup soup) {
+    cases.push_back({name, description, std::move(soup), "", true});
+  };
+  add_flat("flat_grid", "open flat grid", grid(40, true));
+  add_flat("turned_flat_grid", "the same, turned in space", turned_grid());
+  add_flat("collapsed_grid", "flat grid, 96 % of the faces without area", collapsed_grid(50));
+  add_flat("touching_boxes", "two boxes with a common wall", touching_boxes());
+  const auto add_refused = [&](const char* name, const char* description, PolygonSoup soup) {
+    cases.push_back({name, description, std::move(soup), "isn't finite"});
+  };
+  add_refused("not_a_number", "sphere with one coordinate NaN", with_coordinate(small_ball, k_nan));
+  add_refused("infinite", "sphere with one infinite coordinate", with_coordinate(small_ball, k_infinity));
+  add("empty", "no vertices, no faces", {});
   return cases;
+}
+
+std::vector<HardCase> large_hard_cases() {
+  const PolygonSoup ball = make_displaced_sphere(20'000, true);
+  const PolygonSoup far = transformed(ball, 1, Vec3(1e5, -1e5, 1e5));
+  return {
+      {"large_flat_grid", "open flat grid", grid(150, true), "", true},
+      {"large_book_of_sheets", "three sheets that share a spine", book_of_sheets(3, 80)},
+      {"large_triangle_soup", "sphere of faces that share no vertex", unwelded(ball)},
+      {"far_by_1e5", "sphere, 1e5 radii away", far},
+      {"large_not_a_number", "sphere with one coordinate NaN", with_coordinate(ball, k_nan), "isn't finite"},
+      {"large_collapsed_grid", "flat grid, 96 % of the faces without area", collapsed_grid(100), "", true},
+      {"many_loose_cubes", "1500 cubes that don't touch", loose_cubes(1500)},
+      {"large_wound_wrong", "wavy sheet, a third of the faces flipped", wound_wrong(wavy_sheet(60), 1)},
+  };
 }
 
 }  // namespace recede::test

@@ -9,7 +9,7 @@
 namespace recede::test {
 
 struct HardCase {
-  std::string name;
+  std::string name, description;
   PolygonSoup soup;
   std::string refusal{};     ///< part of the error text when no operation may take it; empty: all must
   bool closed_flat = false;  ///< simplification may not change the surface at all
@@ -18,14 +18,17 @@ struct HardCase {
 /// All cases, a few hundred to some thousand faces each.
 std::vector<HardCase> hard_cases();
 
+/// More of the same kinds, up to some ten thousand faces: for benchmarks.
+std::vector<HardCase> large_hard_cases();
+
 // Those that tests look at one by one.
 PolygonSoup sliver_strip(Index n);                  ///< 2 n triangles of aspect 1e9
 PolygonSoup collapsed_grid(Index n);                ///< n x n cells of which 24 in 25 have no area
 PolygonSoup book_of_sheets(Index sheets, Index n);  ///< sheets that share one spine
 PolygonSoup loose_cubes(Index n);                   ///< n cubes that don't touch, 12 triangles each
-PolygonSoup wound_wrong(Index seed);                ///< a sphere whose faces are flipped, a third of them
-PolygonSoup double_sided_sheet(Index n);            ///< every face twice, in both orientations
-PolygonSoup touching_boxes();                       ///< two closed boxes with a common wall
+PolygonSoup wound_wrong(const PolygonSoup& soup, Index seed);  ///< a third of the faces flipped
+PolygonSoup double_sided_sheet(Index n);                       ///< every face twice, in both orientations
+PolygonSoup touching_boxes();                                  ///< two closed boxes with a common wall
 
 /// Vertices and faces in another order, and faces that start elsewhere; the same surface.
 PolygonSoup shuffled(const PolygonSoup& soup, unsigned seed);

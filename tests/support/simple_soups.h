@@ -1,0 +1,82 @@
+// Small shapes for tests and benchmarks.
+#pragma once
+
+#include <recede/geometry/polygon_soup.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace recede::test {
+
+inline PolygonSoup soup_of(std::vector<Vec3> positions, const std::vector<std::vector<Index>>& faces) {
+  PolygonSoup soup;
+  soup.positions = std::move(positions);
+  for (const auto& face : faces) soup.add_face(face);
+  return soup;
+}
+
+/// n x n quads over the unit square in the plane z = 0, or twice as many triangles.
+inline PolygonSoup grid(Index n, bool triangles = false) {
+  PolygonSoup soup;
+  for (Index i = 0; i <= n; ++i) {
+    for (Index j = 0; j <= n; ++j) soup.positions.emplace_back(double(i) / n, double(j) / n, 0);
+  }
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      const Index a = i * (n + 1) + j, b = a + n + 1;
+      if (triangles) {
+        soup.add_face(std::vector<Index>{a, b, b + 1});
+        soup.add_face(std::vector<Index>{a, b + 1, a + 1});
+      } else {
+        soup.add_face(std::vector<Index>{a, b, b + 1, a + 1});
+      }
+    }
+  }
+  return soup;
+}
+
+/// A sheet of hexagons over part of the plane, bent into a bowl: every interior vertex has three faces.
+inline PolygonSoup hexagon_sheet(int n) {
+  PolygonSoup soup;
+  std::map<std::pair<int, int>, Index> known;
+  const auto vertex = [&](int x, int y) {  // in units of half a side and half a height
+    const auto [place, is_new] = known.try_emplace({x, y}, static_cast<Index>(soup.positions.size()));
+    if (is_new) {
+      const double u = 0.5 * x, v = 0.8660254037844386 * y;
+      soup.positions.emplace_back(u, v, 0.01 * (u * u + v * v));
+    }
+    return place->second;
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const int x = 3 * i, y = 2 * j + i % 2;
+      soup.add_face(std::vector<Index>{vertex(x + 2, y), vertex(x + 1, y + 1), vertex(x - 1, y + 1),
+                                       vertex(x - 2, y), vertex(x - 1, y - 1), vertex(x + 1, y - 1)});
+    }
+  }
+  return soup;
+}
+
+/// A prism over a regular polygon of `n` sides: two n-gons and n quads.
+inline PolygonSoup prism(Index n) {
+  PolygonSoup soup;
+  for (int z = 0; z < 2; ++z) {
+    for (Index i = 0; i < n; ++i) {
+      const double angle = 2 * 3.14159265358979 * i / n;
+      soup.positions.emplace_back(std::cos(angle), std::sin(angle), z);
+    }
+  }
+  std::vector<Index> bottom, top;
+  for (Index i = 0; i < n; ++i) {
+    bottom.push_back(n - 1 - i);
+    top.push_back(n + i);
+    soup.add_face(std::vector<Index>{i, (i + 1) % n, n + (i + 1) % n, n + i});
+  }
+  soup.add_face(bottom);
+  soup.add_face(top);
+  return soup;
+}
+
+}  // namespace recede::test
