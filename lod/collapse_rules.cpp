@@ -303,7 +303,10 @@ std::optional<Refusal> CollapseRules::shape_refusal(const RingCorner& corner, In
   constexpr double k_flat = 1e-10;
   const double longest_before = std::max((table_.positions[corner.before] - from).squaredNorm(),
                                          (table_.positions[corner.after] - from).squaredNorm());
-  const bool was_flat = !(area_before > k_flat * longest_before);
+  // Nor has a polygon a direction that is thinner than what coordinates in single precision tell apart.
+  constexpr double k_thin = 3e-8;
+  const bool was_flat = !(area_before > k_flat * longest_before) ||
+                        area_before * area_before < k_thin * k_thin * longest_before;
   if (!(area_after > k_flat * longest)) {
     if (was_flat) return std::nullopt;
     return Refusal::degenerate;

@@ -91,8 +91,9 @@ class TableBuilder {
 };
 
 void TableBuilder::set_points() {
-  const Box3 box = bounding_box(soup_);
-  if (!soup_.positions.empty()) {
+  Box3 box;
+  for (const Index v : soup_.corner_vertices) box.extend(soup_.positions[v]);
+  if (!box.isEmpty()) {
     table_.origin = box.center();
     table_.scale = box.sizes().maxCoeff();
   }

@@ -178,7 +178,9 @@ SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options 
                         Progress* progress = nullptr);
 
 /// The same for polygons without connectivity: no half-edge mesh is built, which takes less time and memory.
-/// Vertices at bit-equal positions count as one. Throws `InputError` for what `validate` refuses.
+/// Vertices at bit-equal positions count as one; nothing else is repaired (see polygon_soup.h): faces that
+/// disagree in orientation or occur twice make their edges lines that stay. Throws `InputError` for what
+/// `validate` refuses.
 SimplifySoupResult simplify(const PolygonSoup& soup, const SimplifyOptions& options = {},
                             Progress* progress = nullptr);
 

@@ -10,9 +10,10 @@ namespace {
 constexpr double k_regularization = 1e-7;
 /// The same for ranking, which is done in single precision.
 constexpr float k_rank_regularization = 1e-5f;
-/// A new point stays within this many edge lengths of the edge's middle: an ill-conditioned solve must not
-/// throw it out of its neighbourhood.
+/// A new point stays within this many edge lengths of the edge's middle, and this many out of the box around
+/// the neighbours: an ill-conditioned solve must not throw it out of its neighbourhood.
 constexpr double k_reach = 2.0;
+constexpr double k_reach_out = 0.25;
 /// Share of the squared edge length in the cost: orders what the triangles don't tell apart. At the noise of
 /// single precision, in which edges are ranked.
 constexpr double k_length_weight = 1e-7;
@@ -153,13 +154,28 @@ void CollapsePlanner::add_corner(const RingCorner& corner, Index other) {
   if (corner.on_edge && corner.size > 3) add_triangle(after, before, table_.next(after));
 }
 
+/// A point where a line turns back is the end of something thin, whose loss sweeps no area. Moving it inwards
+/// counts as if the line went across there, by how much it turns back.
+void CollapsePlanner::add_fold(Index point, Index before, Index after) {
+  const Vec3& at = table_.positions[point];
+  const Vec3 in = at - table_.positions[before], out = table_.positions[after] - at;
+  const double in_length = in.norm(), out_length = out.norm();
+  if (!(in.dot(out) < 0)) return;
+  const Vec3 outwards = (in / in_length - out / out_length).normalized();
+  const double cosine = in.dot(out) / (in_length * out_length);
+  const double weight = -cosine * k_line_weight * std::pow(in_length * out_length, 2);
+  shape_.add_square(outwards, -outwards.dot(at - center_), weight);
+}
+
 void CollapsePlanner::add_lines(Index first, Index second) {
   line_before_ = line_after_ = k_no_index;
   const auto add = [&](Index from, Index to) {
     add_line(table_.positions[from] - center_, table_.positions[to] - table_.positions[from]);
   };
+  bool is_line = false;
   each_line_neighbour(table_, first, neighbours_, [&](Index q) {
     add(first, q);
+    if (q == second) is_line = true;
     if (q != second) line_before_ = q;
   });
   each_line_neighbour(table_, second, neighbours_, [&](Index q) {
@@ -167,6 +183,8 @@ void CollapsePlanner::add_lines(Index first, Index second) {
     add(second, q);
     line_after_ = q;
   });
+  if (is_line && line_before_ != k_no_index) add_fold(first, line_before_, second);
+  if (is_line && line_after_ != k_no_index) add_fold(second, first, line_after_);
 }
 
 void CollapsePlanner::gather(const EdgeRings& rings, Index first, Index second) {
@@ -186,14 +204,15 @@ void CollapsePlanner::gather(const EdgeRings& rings, Index first, Index second) 
   if (has_attributes_) cost_ += attributes_.form();
 }
 
-/// Least cost among the places that keep the volume.
-Vec3 CollapsePlanner::best_place() const {
+/// Least cost among the places that keep the volume, or among all.
+Vec3 CollapsePlanner::best_place(bool keep_volume) const {
   Eigen::Matrix3d regular = cost_.matrix;
   regular.diagonal().array() += k_regularization * cost_.matrix.trace();
   const Eigen::Matrix3d inverse = regular.inverse();
   Vec3 place = inverse * cost_.pull;
   // One step of refinement takes the pull out of the directions that the triangles do determine.
   place += inverse * (cost_.pull - cost_.matrix * place);
+  if (!keep_volume) return place;
   const Vec3 way = inverse * volume_normal_;
   const double slope = volume_normal_.dot(way);
   if (slope > 0) place += way * ((volume_ - volume_normal_.dot(place)) / slope);
@@ -204,9 +223,12 @@ Vec3 CollapsePlanner::best_place() const {
 /// sum: x cross (after - before) is what it was, which leaves a line for x.
 Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) const {
   const Vec3 along = after - before;
-  const double length = along.squaredNorm();
-  if (!(length > 0)) return Vec3::Zero();
   const Vec3 p = -half_edge_, q = half_edge_;
+  const double length = along.squaredNorm();
+  // Where the line turns back, keeping the area would move its end away.
+  constexpr double k_straight = 0.5;
+  const double way = (p - before).norm() + (q - p).norm() + (after - q).norm();
+  if (!(length > k_straight * k_straight * way * way)) return best_place(false);
   const Vec3 area = before.cross(p) + p.cross(q) + q.cross(after);
   const Vec3 through = along.cross(area) / length;
   const double curvature = along.dot(cost_.matrix * along);
@@ -215,6 +237,20 @@ Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) 
                           ? along.dot(cost_.pull - cost_.matrix * through) / curvature
                           : -along.dot(through) / length;
   return through + step * along;
+}
+
+/// True for a place, relative to the middle, that an edge may send its point to.
+bool CollapsePlanner::is_near(const Vec3& place, const EdgeRings& rings) const {
+  if (!(place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_)) return false;
+  Box3 box;
+  box.extend(-half_edge_).extend(half_edge_);
+  for (const auto* ring : {&rings.removed, &rings.kept}) {
+    for (const RingCorner& c : *ring) {
+      box.extend(table_.positions[c.after] - center_).extend(table_.positions[c.before] - center_);
+    }
+  }
+  const double out = 2 * k_reach_out * std::sqrt(half_length_squared_);
+  return ((place - box.min()).array() >= -out).all() && ((box.max() - place).array() >= -out).all();
 }
 
 /// True when what the collapse costs beside its length is rounding.
@@ -250,9 +286,8 @@ CollapsePlan CollapsePlanner::plan_at_ends(const EdgeFreedom& freedom, Index fir
 CollapsePlan CollapsePlanner::plan_join(const EdgeRings& rings, const EdgeFreedom& freedom, Index first,
                                         Index second) {
   gather(rings, first, second);
-  const Vec3 place = freedom.may_move ? best_place() : Vec3::Zero();
-  const bool is_near = place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_;
-  if (placement_ == VertexPlacement::half_edge || !freedom.may_move || !is_near) {
+  const Vec3 place = freedom.may_move ? best_place(true) : Vec3::Zero();
+  if (placement_ == VertexPlacement::half_edge || !freedom.may_move || !is_near(place, rings)) {
     return plan_at_ends(freedom, first, second);
   }
   return plan_at(first, second, placement_ == VertexPlacement::midpoint ? Vec3::Zero() : place, 0.5);
@@ -268,13 +303,11 @@ CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index se
   Vec3 place = Vec3::Zero();
   if (placement_ != VertexPlacement::midpoint) {
     place = line_before_ == k_no_index || line_after_ == k_no_index
-                ? best_place()
+                ? best_place(true)
                 : best_place_on_line(table_.positions[line_before_] - center_,
                                      table_.positions[line_after_] - center_);
   }
-  if (!(place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_)) {
-    return plan_at_ends(freedom, first, second);
-  }
+  if (!is_near(place, rings)) return plan_at_ends(freedom, first, second);
   const double share = half_length_squared_ > 0
                            ? std::clamp(0.5 + 0.5 * place.dot(half_edge_) / half_length_squared_, 0.0, 1.0)
                            : 1;

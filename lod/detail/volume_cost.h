@@ -104,10 +104,12 @@ class CollapsePlanner {
   void add_triangle(Index at, Index before, Index after);
   void add_lines(Index first, Index second);
   void add_line(const Vec3& through, const Vec3& along);
-  Vec3 best_place() const;
+  void add_fold(Index point, Index before, Index after);
+  Vec3 best_place(bool keep_volume) const;
   Vec3 best_place_on_line(const Vec3& before, const Vec3& after) const;
   CollapsePlan plan_at(Index removed, Index kept, const Vec3& place, double share) const;
   CollapsePlan plan_at_ends(const EdgeFreedom& freedom, Index first, Index second);
+  bool is_near(const Vec3& place, const EdgeRings& rings) const;
   bool is_free(const CollapsePlan& plan) const;
 
   const CornerTable& table_;
