@@ -1,6 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/attribute_cost.h>
-#include <recede/lod/detail/volume_cost.h>
+#include <recede/lod/detail/edge_ranker.h>
 
 #include <algorithm>
 #include <cmath>
@@ -246,7 +246,7 @@ void add_rank_sums(const CornerTable& table, const AttributeChannels& channels, 
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 slope =
           scale * weighted_gradient(normal, to_before, to_after, before[i] - at[i], after[i] - at[i]);
-      matrix.squares.add_square((slope / std::sqrt(weight)).cast<float>());
+      add_square(matrix.squares, (slope / std::sqrt(weight)).cast<float>());
       Eigen::Map<Eigen::Vector3f>(sums + 2 + 4 * i) += slope.cast<float>();
     }
   }

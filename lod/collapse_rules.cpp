@@ -13,6 +13,15 @@ namespace {
 
 void gather_ring(const CornerTable& table, Index of, Index other, std::vector<RingCorner>& ring) {
   ring.clear();
+  if (!table.has_polygons) {
+    table.each_corner(of, [&](Index corner) {
+      const Index face = corner / 3, place = corner - 3 * face;
+      const Index before = table.point[place == 0 ? corner + 2 : corner - 1],
+                  after = table.point[place == 2 ? corner - 2 : corner + 1];
+      ring.push_back({corner, face, 3, before, after, before == other || after == other});
+    });
+    return;
+  }
   table.each_corner(of, [&](Index corner) {
     const Index before = table.point_before(corner), after = table.point_after(corner);
     const Index f = table.face(corner);
@@ -281,38 +290,41 @@ bool CollapseRules::turns_corner(const RingCorner& corner, Index moved, const Co
 
 std::optional<Refusal> CollapseRules::shape_refusal(const RingCorner& corner, Index moved,
                                                     const Collapse& collapse) const {
-  const Vec3& from = table_.positions[moved];
+  const Vec3 &from = table_.positions[moved], &p = table_.positions[corner.before],
+             &q = table_.positions[corner.after];
   Vec3 before, after;
-  double longest = 0;
   if (corner.size == 3) {
-    const Vec3 &p = table_.positions[corner.before], &q = table_.positions[corner.after];
     before = (q - from).cross(p - from);
     after = (q - collapse.position).cross(p - collapse.position);
-    longest = std::max((q - collapse.position).squaredNorm(), (p - collapse.position).squaredNorm());
   } else {
     before = twice_vector_area(table_, corner.face);
     after = corner.on_edge
                 ? twice_vector_area(table_, corner.face, collapse.removed, collapse.kept, collapse.position)
                 : twice_vector_area(table_, corner.face, moved, k_no_index, collapse.position);
-    for (const Index p : {corner.before, corner.after}) {
-      longest = std::max(longest, (table_.positions[p] - collapse.position).squaredNorm());
-    }
   }
-  const double area_before = before.norm(), area_after = after.norm();
-  // Below this ratio of area to squared side, a normal is rounding noise in coordinates of size 1.
-  constexpr double k_flat = 1e-10;
-  const double longest_before = std::max((table_.positions[corner.before] - from).squaredNorm(),
-                                         (table_.positions[corner.after] - from).squaredNorm());
+  const double area_before = before.squaredNorm(), area_after = after.squaredNorm();
+  const double cosine = before.dot(after);
+  const bool turns =
+      !(cosine * std::abs(cosine) > least_cosine_ * std::abs(least_cosine_) * area_before * area_after);
+  // Most polygons keep their direction and most of their area, and that is all there is to ask of a triangle.
+  constexpr double k_most_area = 0.01;
+  if (corner.size == 3 && !turns && area_after > k_most_area * area_before) return std::nullopt;
+  // Areas and sides are squared here. Below this ratio of area to squared side, a normal is rounding noise in
+  // coordinates of size 1.
+  constexpr double k_flat = 1e-10 * 1e-10;
+  const double longest_before = std::max((p - from).squaredNorm(), (q - from).squaredNorm());
+  const double longest =
+      std::max((p - collapse.position).squaredNorm(), (q - collapse.position).squaredNorm());
   // Nor has a polygon a direction that is thinner than what coordinates in single precision tell apart.
   constexpr double k_thin = 3e-8;
-  const bool was_flat = !(area_before > k_flat * longest_before) ||
-                        area_before * area_before < k_thin * k_thin * longest_before;
-  if (!(area_after > k_flat * longest)) {
+  const bool was_flat = !(area_before > k_flat * longest_before * longest_before) ||
+                        area_before < k_thin * k_thin * longest_before;
+  if (!(area_after > k_flat * longest * longest)) {
     if (was_flat) return std::nullopt;
     return Refusal::degenerate;
   }
   if (was_flat) return std::nullopt;
-  if (!(before.dot(after) > least_cosine_ * area_before * area_after)) return Refusal::flip;
+  if (turns) return Refusal::flip;
   if (corner.size > 3 && turns_corner(corner, moved, collapse, before, after)) return Refusal::flip;
   return std::nullopt;
 }

@@ -8,15 +8,8 @@ namespace {
 
 /// Pull towards the middle of the edge where the triangles leave the place open, as a share of their weight.
 constexpr double k_regularization = 1e-7;
-/// The same for ranking, which is done in single precision.
-constexpr float k_rank_regularization = 1e-5f;
-/// A new point stays within this many edge lengths of the edge's middle, and this many out of the box around
-/// the neighbours: an ill-conditioned solve must not throw it out of its neighbourhood.
-constexpr double k_reach = 2.0;
-constexpr double k_reach_out = 0.25;
-/// Share of the squared edge length in the cost: orders what the triangles don't tell apart. At the noise of
-/// single precision, in which edges are ranked.
-constexpr double k_length_weight = 1e-7;
+/// Share of an edge length that a new point may lie out of the box around the neighbours.
+constexpr double k_reach_out = 0.5;
 /// Weight of the squared area that a line sweeps, times its squared length, against the squared volumes. With
 /// volumes of tetrahedra (1/6 of the product) and areas of triangles (1/2), the source's equal weights.
 constexpr double k_line_weight = 9.0;
@@ -47,93 +40,21 @@ Eigen::Matrix3d line_matrix(const Vec3& along) {
 
 }  // namespace
 
-PointMatrix point_matrix(const CornerTable& table, Index point, double scale) {
-  const Vec3 at = table.positions[point];
-  PointMatrix m;
-  for (Index i = table.ring_start[point]; i < table.ring_start[point + 1]; ++i) {
-    const Index corner = table.ring[i];
-    const Vec3 after = scale * (table.positions[table.point_after(corner)] - at),
-               before = scale * (table.positions[table.point_before(corner)] - at);
-    const Eigen::Vector3f n = after.cross(before).cast<float>();
-    m.squares.add_square(n);
-    m.sum += n;
-  }
-  return m;
-}
-
-namespace {
-
-/// The part of the attributes, relative to the middle of the edge: for each channel the squared differences
-/// from the value that is best at x, of which `add_rank_sums` added the squares of slopes to the matrices.
-void add_attributes(std::span<const float> a, std::span<const float> b, const Eigen::Vector3f& half,
-                    float unit, SymmetricMatrix& matrix, Eigen::Vector3f& pull, float& constant) {
-  const float weight = a[0] + b[0];
-  if (!(weight > 0)) return;
-  for (std::size_t i = 1; i < a.size(); i += 4) {
-    const Eigen::Vector3f at_a(a[i + 1], a[i + 2], a[i + 3]), at_b(b[i + 1], b[i + 2], b[i + 3]);
-    const float difference = b[i] - a[i];
-    // Predicted values, summed up, are slope.x + offset when they are counted from that of a.
-    const Eigen::Vector3f slope = at_a + at_b;
-    const float offset = b[0] * difference + (at_a - at_b).dot(half);
-    const float share = -unit / weight;
-    matrix.add_square(slope, share);
-    pull -= unit * difference * at_b + share * offset * slope;
-    constant += unit * difference * (b[0] * difference - 2 * at_b.dot(half)) + share * offset * offset;
-  }
-}
-
-}  // namespace
-
-float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix& a, const PointMatrix& b,
-                       std::span<const float> sums_a, std::span<const float> sums_b, double scale,
-                       VertexPlacement placement) {
-  const Eigen::Vector3f half = (0.5 * scale * (second - first)).cast<float>();
-  const float trace = a.squares.trace() + b.squares.trace();
-  if (!(trace > 0)) return 0;
-  const float squared_half = half.squaredNorm();
-  const float length_cost = trace * static_cast<float>(k_length_weight) * squared_half;
-  // All relative to the middle of the edge, and to the trace.
-  SymmetricMatrix sum = a.squares.combined(b.squares, 1, 1 / trace);
-  float at_middle = sum.form(half);
-  Eigen::Vector3f pull = b.squares.combined(a.squares, -1, 1 / trace).times(half);
-  if (!sums_a.empty()) add_attributes(sums_a, sums_b, half, 1 / trace, sum, pull, at_middle);
-  if (placement == VertexPlacement::half_edge) {
-    const float to_an_end = sum.form(half) - 2 * std::abs(pull.dot(half)) + at_middle;
-    return trace * std::max(0.0f, to_an_end) + length_cost;
-  }
-  const float middle_cost = trace * std::max(0.0f, at_middle) + length_cost;
-  if (placement == VertexPlacement::midpoint) return middle_cost;
-  const Eigen::Vector3f normal = a.sum + b.sum;
-  const float volume = (b.sum - a.sum).dot(half);
-  SymmetricMatrix regular = sum;
-  regular.xx += k_rank_regularization;
-  regular.yy += k_rank_regularization;
-  regular.zz += k_rank_regularization;
-  float determinant = 0;
-  const SymmetricMatrix adjugate = regular.adjugate(determinant);
-  if (!(determinant > 0)) return middle_cost;
-  Eigen::Vector3f place = adjugate.times(pull) / determinant;
-  // Along `way` to where the volume stays.
-  const Eigen::Vector3f way = adjugate.times(normal);
-  const float slope = normal.dot(way);
-  if (slope > 0) place += (volume - normal.dot(place)) / slope * way;
-  constexpr auto k_most = static_cast<float>(4 * k_reach * k_reach);
-  if (!(place.squaredNorm() <= k_most * squared_half)) return middle_cost;
-  return trace * std::max(0.0f, sum.form(place) - 2 * pull.dot(place) + at_middle) + length_cost;
-}
-
-/// The triangle between three corners, of which `at` moves.
+/// The triangle between three points, of which `at` moves. Of the matrix only the lower half is kept until
+/// `gather` is done.
 void CollapsePlanner::add_triangle(Index at, Index before, Index after) {
-  const auto place = [&](Index corner) -> Vec3 { return table_.positions[table_.point[corner]] - center_; };
-  const Vec3 from = place(at);
-  const Vec3 normal = (place(after) - from).cross(place(before) - from);
+  const Vec3 from = table_.positions[at] - center_;
+  const Vec3 normal =
+      (table_.positions[after] - table_.positions[at]).cross(table_.positions[before] - table_.positions[at]);
   const double offset = normal.dot(from);
-  shape_.matrix += normal * normal.transpose();
+  shape_.matrix.col(0) += normal.x() * normal;
+  shape_.matrix(1, 1) += normal.y() * normal.y();
+  shape_.matrix(2, 1) += normal.y() * normal.z();
+  shape_.matrix(2, 2) += normal.z() * normal.z();
   shape_.pull += offset * normal;
   shape_.constant += offset * offset;
   volume_normal_ += normal;
   volume_ += offset;
-  if (has_attributes_) attributes_.add_triangle(at, before, after);
 }
 
 void CollapsePlanner::add_line(const Vec3& through, const Vec3& along) {
@@ -146,12 +67,17 @@ void CollapsePlanner::add_line(const Vec3& through, const Vec3& along) {
 /// Adds what moves with a corner of `at`. A polygon on the edge counts as the triangle between the edge and
 /// the corner before it, and the triangle that is left at the edge's far end; both are met where the side
 /// begins.
-void CollapsePlanner::add_corner(const RingCorner& corner, Index other) {
-  const Index at = corner.corner, after = table_.next(at);
+void CollapsePlanner::add_corner(const RingCorner& corner, Index at, Index other) {
   if (corner.on_edge && corner.after != other) return;
-  const Index before = table_.previous(at);
-  add_triangle(at, before, after);
-  if (corner.on_edge && corner.size > 3) add_triangle(after, before, table_.next(after));
+  add_triangle(at, corner.before, corner.after);
+  const bool is_cut = corner.on_edge && corner.size > 3;
+  if (!is_cut && !has_attributes_) return;
+  const Index c = corner.corner, after = table_.next(c), before = table_.previous(c);
+  if (has_attributes_) attributes_.add_triangle(c, before, after);
+  if (!is_cut) return;
+  const Index beyond = table_.next(after);
+  add_triangle(other, corner.before, table_.point[beyond]);
+  if (has_attributes_) attributes_.add_triangle(after, before, beyond);
 }
 
 /// A point where a line turns back is the end of something thin, whose loss sweeps no area. Moving it inwards
@@ -196,9 +122,12 @@ void CollapsePlanner::gather(const EdgeRings& rings, Index first, Index second) 
   volume_normal_.setZero();
   volume_ = 0;
   if (has_attributes_) attributes_.start(rings, first, second, center_);
-  for (const RingCorner& corner : rings.removed) add_corner(corner, second);
+  for (const RingCorner& corner : rings.removed) add_corner(corner, first, second);
   // Sides that run from second to first begin there.
-  for (const RingCorner& corner : rings.kept) add_corner(corner, first);
+  for (const RingCorner& corner : rings.kept) add_corner(corner, second, first);
+  shape_.matrix(0, 1) = shape_.matrix(1, 0);
+  shape_.matrix(0, 2) = shape_.matrix(2, 0);
+  shape_.matrix(1, 2) = shape_.matrix(2, 1);
   add_lines(first, second);
   cost_ = shape_;
   if (has_attributes_) cost_ += attributes_.form();
@@ -241,7 +170,10 @@ Vec3 CollapsePlanner::best_place_on_line(const Vec3& before, const Vec3& after) 
 
 /// True for a place, relative to the middle, that an edge may send its point to.
 bool CollapsePlanner::is_near(const Vec3& place, const EdgeRings& rings) const {
-  if (!(place.squaredNorm() <= 4 * k_reach * k_reach * half_length_squared_)) return false;
+  const double squared = place.squaredNorm();
+  if (!(squared <= 4 * k_reach * k_reach * half_length_squared_)) return false;
+  // The box has the middle in it.
+  if (squared <= 4 * k_reach_out * k_reach_out * half_length_squared_) return true;
   Box3 box;
   box.extend(-half_edge_).extend(half_edge_);
   for (const auto* ring : {&rings.removed, &rings.kept}) {

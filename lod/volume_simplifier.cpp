@@ -1,12 +1,13 @@
 // Passes of independent collapses in the order of a volume-preserving cost (see volume_cost.h).
 //
 // Every pass ranks all edges, then walks them from the cheapest on and collapses those whose ends no earlier
-// collapse of the pass has moved. A pass ends at the cost of the edge that would be last if all went in
-// order, so that independence costs little quality.
+// collapse of the pass has moved. A pass ends at the cost of an edge that would come not long after the last
+// one if all went in order, so that independence costs little quality.
 //
 // Points are numbered along a space-filling curve, so that a range of numbers is a patch of surface. Patches
 // rank and collapse on their own, in parallel and inside a cache; what reaches over the rim of a patch is
 // left for afterwards. The patches don't depend on the number of threads, and neither does the result.
+#include <recede/lod/detail/edge_ranker.h>
 #include <recede/lod/detail/point_classifier.h>
 #include <recede/lod/detail/simplifier.h>
 #include <recede/lod/detail/volume_cost.h>
@@ -25,8 +26,11 @@ namespace {
 
 /// Share of the points that one pass may remove at most; about a third of them are then independent.
 constexpr double k_pass_share = 1.0;
+/// A pass ends at the cost of the edge that would come this many times later than the last one if all went in
+/// order: fewer passes, and hardly more error.
+constexpr double k_pass_reach = 3.0;
 /// Below this share of the points still to go, edges are taken one by one to the exact count.
-constexpr double k_last_share = 0.1;
+constexpr double k_last_share = 0.3;
 /// For the last pass: it may go on to the edge that would come this many times later if all were independent.
 constexpr double k_last_reach = 2.0;
 /// Since it was ranked, a cost may have grown by this factor; beyond that the edge waits for the next pass.
@@ -76,6 +80,18 @@ class CostHistogram {
   std::array<Index, std::size_t{1} << (31 - k_shift)> counts_{};
 };
 
+/// Edges that wait to be ranked together.
+struct EdgeBlock {
+  std::array<PointPair, EdgeRanker::k_lanes> edges;
+  std::array<Index, EdgeRanker::k_lanes> corners;
+  std::size_t size = 0;
+
+  void add(const PointPair& edge, Index corner) {
+    edges[size] = edge;
+    corners[size++] = corner;
+  }
+};
+
 /// What one thread needs to look at an edge.
 struct Workbench {
   Workbench(const CornerTable& table, const AttributeChannels& channels, VertexPlacement placement)
@@ -83,6 +99,8 @@ struct Workbench {
   EdgeRings rings;
   CollapseRules rules;
   CollapsePlanner planner;
+  EdgeBlock block;
+  std::vector<Index> seen;  // neighbours of the point at hand
 };
 
 /// A range of points that is worked on by itself, and what came of it.
@@ -110,7 +128,9 @@ struct Patch {
 class VolumeSimplifier final : public Simplifier {
  public:
   VolumeSimplifier(CornerTable table, const SimplifyOptions& options)
-      : Simplifier(std::move(table), options, k_least_normal_cosine), channels_(table_, options.weights) {}
+      : Simplifier(std::move(table), options, k_least_normal_cosine),
+        channels_(table_, options_.weights),
+        ranker_(table_, channels_, options_.placement) {}
 
  private:
   enum class Try { done, refused, busy, outside };
@@ -118,15 +138,11 @@ class VolumeSimplifier final : public Simplifier {
   std::size_t pass(const Limits& limits, Progress* progress) override;
 
   void start_pass();
-  void make_matrices(const Patch& patch);
-  std::span<const float> rank_sums(Index p) const {
-    const std::size_t stride = channels_.rank_stride();
-    if (channels_.empty()) return {};
-    return {attribute_sums_.data() + p * stride, stride};
-  }
   void rank(Patch& patch);
-  void rank_point(Patch& patch, Workbench& bench, Index p, std::vector<Index>& seen);
-  float rank_edge(Workbench& bench, Index p, Index q) const;
+  void rank_point(Patch& patch, Workbench& bench, Index p);
+  void rank_block(Patch& patch, EdgeBlock& block) const;
+  float cost_at_line(Workbench& bench, Index p, Index q) const;
+  void add_candidate(Patch& patch, Index p, Index q, Index corner, float cost) const;
   void collapse_inside(Patch& patch, float limit, double error);
   std::vector<Candidate> collapse_inside_all(std::vector<Patch>& patches, float limit, double error);
   void shift_patches(const std::vector<Candidate>& candidates);
@@ -139,11 +155,10 @@ class VolumeSimplifier final : public Simplifier {
   std::vector<Candidate> take_all_below(float limit);
 
   AttributeChannels channels_;
-  LargeList<PointMatrix> matrices_;   // by point
-  LargeList<float> attribute_sums_;   // by point, see `add_rank_sums`
+  EdgeRanker ranker_;
   LargeList<unsigned char> touched_;  // by point: an end of a collapse of this pass
   std::vector<Patch> patches_, shifted_;
-  double rank_scale_ = 1;
+  double cost_scale_ = 1;    // from costs in table units to those of ranking
   std::size_t refused_ = 0;  // edges that the last pass refused
   bool has_joined_ = false;  // since the points were classified
 };
@@ -163,32 +178,48 @@ void VolumeSimplifier::start_pass() {
       if (table_.classes[p] != PointClass::smooth) table_.classes[p] = classifier.classify(p);
     }
   }
-  matrices_.resize(n);
-  if (!channels_.empty()) attribute_sums_.resize(n * channels_.rank_stride());
   const std::size_t size = std::clamp(n / k_patches, k_least_patch, k_largest_patch);
   patches_.resize((n + size - 1) / size);
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     patches_[i].start(static_cast<Index>(i * size), static_cast<Index>(std::min(n, (i + 1) * size)));
   }
-  // A unit in which edges are about 1 long.
-  rank_scale_ = std::sqrt(static_cast<double>(std::max<std::size_t>(table_.n_faces(), 1)));
+  // A unit in which edges are about 1 long; costs are sixth powers of lengths.
+  const double scale = std::sqrt(static_cast<double>(std::max<std::size_t>(table_.n_faces(), 1)));
+  cost_scale_ = std::pow(scale, 6);
+  ranker_.start(scale);
 }
 
-/// Negative for an edge that must stay.
-float VolumeSimplifier::rank_edge(Workbench& bench, Index p, Index q) const {
-  if (table_.classes[p] == PointClass::smooth && table_.classes[q] == PointClass::smooth) {
-    return rank_smooth_edge(table_.positions[p], table_.positions[q], matrices_[p], matrices_[q],
-                            rank_sums(p), rank_sums(q), rank_scale_, options_.placement);
-  }
+/// The exact cost of an edge at a line; negative for an edge that must stay.
+float VolumeSimplifier::cost_at_line(Workbench& bench, Index p, Index q) const {
   if (!edge_freedom(table_, p, q).allowed) return -1;
   bench.rings.gather(table_, p, q);
   const CollapsePlan plan = bench.planner.plan(bench.rings, p, q);
-  // Costs are the sixth power of a length.
-  return static_cast<float>(plan.cost * std::pow(rank_scale_, 6));
+  return static_cast<float>(plan.cost * cost_scale_);
+}
+
+void VolumeSimplifier::add_candidate(Patch& patch, Index p, Index q, Index corner, float cost) const {
+  if (table_.has_polygons && options_.keep_polygons) {
+    for (int loss = polygon_loss(table_, p, q); loss > 0; --loss) cost *= k_polygon_loss;
+  }
+  if (!(cost <= std::numeric_limits<float>::max())) cost = std::numeric_limits<float>::max();
+  patch.candidates.push_back(make_candidate(cost, corner));
+  patch.histogram.add(cost);
+}
+
+/// Ranks the edges that wait in the block.
+void VolumeSimplifier::rank_block(Patch& patch, EdgeBlock& block) const {
+  if (block.size == 0) return;
+  std::array<float, EdgeRanker::k_lanes> costs;
+  ranker_.rank({block.edges.data(), block.size}, costs.data());
+  for (std::size_t i = 0; i < block.size; ++i) {
+    add_candidate(patch, block.edges[i].first, block.edges[i].second, block.corners[i], costs[i]);
+  }
+  block.size = 0;
 }
 
 /// Every edge belongs to the lower of its points.
-void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p, std::vector<Index>& seen) {
+void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p) {
+  std::vector<Index>& seen = bench.seen;
   seen.clear();
   const bool smooth = table_.classes[p] == PointClass::smooth;
   const auto add = [&](Index corner, Index q) {
@@ -196,17 +227,14 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p, std::
       ++patch.counts.refused[Refusal::error];
       return;
     }
-    float cost = rank_edge(bench, p, q);
-    if (cost < 0) {
-      ++patch.counts.refused[Refusal::border];
+    if (smooth && table_.classes[q] == PointClass::smooth) {
+      bench.block.add({p, q}, corner);
+      if (bench.block.size == EdgeRanker::k_lanes) rank_block(patch, bench.block);
       return;
     }
-    if (table_.has_polygons && options_.keep_polygons) {
-      for (int loss = polygon_loss(table_, p, q); loss > 0; --loss) cost *= k_polygon_loss;
-    }
-    if (!(cost <= std::numeric_limits<float>::max())) cost = std::numeric_limits<float>::max();
-    patch.candidates.push_back(make_candidate(cost, corner));
-    patch.histogram.add(cost);
+    const float cost = cost_at_line(bench, p, q);
+    if (cost >= 0) return add_candidate(patch, p, q, corner, cost);
+    ++patch.counts.refused[Refusal::border];
   };
   for (Index i = table_.ring_start[p]; i < table_.ring_start[p + 1]; ++i) {
     const Index corner = table_.ring[i], q = table_.point_after(corner);
@@ -223,22 +251,11 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p, std::
   }
 }
 
-/// What `rank_edge` needs of the patch's points.
-void VolumeSimplifier::make_matrices(const Patch& patch) {
-  std::vector<double> scratch;
-  for (Index p = patch.first; p < patch.last; ++p) {
-    matrices_[p] = point_matrix(table_, p, rank_scale_);
-    if (channels_.empty() || table_.classes[p] != PointClass::smooth) continue;
-    float* const sums = attribute_sums_.data() + p * channels_.rank_stride();
-    add_rank_sums(table_, channels_, p, rank_scale_, matrices_[p], sums, scratch);
-  }
-}
-
 void VolumeSimplifier::rank(Patch& patch) {
   Workbench bench(table_, channels_, options_.placement);
-  std::vector<Index> seen;
   patch.candidates.reserve(3 * (patch.last - patch.first) + 64);
-  for (Index p = patch.first; p < patch.last; ++p) rank_point(patch, bench, p, seen);
+  for (Index p = patch.first; p < patch.last; ++p) rank_point(patch, bench, p);
+  rank_block(patch, bench.block);
 }
 
 /// Tries one edge. `within`: the collapse must not reach beyond the patch.
@@ -255,7 +272,7 @@ VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit
   const CollapsePlan plan = bench.planner.plan(bench.rings, first, second);
   if (plan.collapse.removed == k_no_index) return Try::refused;
   const double most = std::max(static_cast<double>(limit), k_grown * static_cast<double>(cost_of(candidate)));
-  if (plan.cost * std::pow(rank_scale_, 6) > most) return Try::refused;
+  if (plan.cost * cost_scale_ > most) return Try::refused;
   const Collapse& collapse = plan.collapse;
   if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
   double deviation =
@@ -349,7 +366,7 @@ bool VolumeSimplifier::attempt_join(const PointPair& pair, float limit, double e
   if (!freedom.allowed) return false;
   bench.rings.gather(table_, first, second);
   const CollapsePlan plan = bench.planner.plan_join(bench.rings, freedom, first, second);
-  if (plan.cost * std::pow(rank_scale_, 6) > static_cast<double>(limit)) return false;
+  if (plan.cost * cost_scale_ > static_cast<double>(limit)) return false;
   const Collapse& collapse = plan.collapse;
   if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
   const double deviation = local_deviation(table_, bench.rings, collapse);
@@ -408,7 +425,7 @@ std::vector<Candidate> VolumeSimplifier::take_all_below(float limit) {
 std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   ++counts_.passes;
   start_pass();
-  each_patch(patches_, [&](const Patch& patch) { make_matrices(patch); });
+  each_patch(patches_, [&](const Patch& patch) { ranker_.prepare(patch.first, patch.last); });
   each_patch(patches_, [&](Patch& patch) { rank(patch); });
   CostHistogram histogram;
   std::size_t n_candidates = 0;
@@ -428,7 +445,8 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   const std::size_t collapses_before = counts_.collapses;
   std::size_t done = 0, goal = 1 + tolerated;
   if (static_cast<double>(left) > k_last_share * points) {
-    goal += std::min(left, static_cast<std::size_t>(k_pass_share * points));
+    goal += std::min(static_cast<std::size_t>(k_pass_reach * static_cast<double>(left)),
+                     static_cast<std::size_t>(k_pass_share * points));
     const float limit = histogram.limit(goal, false);
     join(limit, limits);
     std::vector<Candidate> across = collapse_inside_all(patches_, limit, limits.error);

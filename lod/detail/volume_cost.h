@@ -16,62 +16,17 @@
 
 namespace recede::detail {
 
-/// A symmetric matrix in single precision; six numbers instead of nine.
-struct SymmetricMatrix {
-  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-
-  float trace() const { return xx + yy + zz; }
-  Eigen::Vector3f times(const Eigen::Vector3f& v) const {
-    return {xx * v.x() + xy * v.y() + xz * v.z(), xy * v.x() + yy * v.y() + yz * v.z(),
-            xz * v.x() + yz * v.y() + zz * v.z()};
-  }
-  /// v . M v
-  float form(const Eigen::Vector3f& v) const { return v.dot(times(v)); }
-  /// Adds factor v v^T.
-  void add_square(const Eigen::Vector3f& v, float factor = 1) {
-    const Eigen::Vector3f w = factor * v;
-    xx += w.x() * v.x();
-    xy += w.x() * v.y();
-    xz += w.x() * v.z();
-    yy += w.y() * v.y();
-    yz += w.y() * v.z();
-    zz += w.z() * v.z();
-  }
-  /// scale * (this + sign * other)
-  SymmetricMatrix combined(const SymmetricMatrix& other, float sign, float scale) const {
-    return {scale * (xx + sign * other.xx), scale * (xy + sign * other.xy), scale * (xz + sign * other.xz),
-            scale * (yy + sign * other.yy), scale * (yz + sign * other.yz), scale * (zz + sign * other.zz)};
-  }
-  /// The inverse times the determinant, which goes to `determinant`.
-  SymmetricMatrix adjugate(float& determinant) const {
-    const SymmetricMatrix result{yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy,
-                                 xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy};
-    determinant = xx * result.xx + xy * result.xy + xz * result.xz;
-    return result;
-  }
-};
-
-/// The sum of n n^T over the triangles around a point, and the sum of n: enough for the cost of an edge,
-/// because all triangles pass through the point. Float is enough to rank, as all is relative to the point.
-struct PointMatrix {
-  SymmetricMatrix squares;
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-};
-
-/// `scale` multiplies lengths; about one over an edge's length keeps the numbers near 1.
-PointMatrix point_matrix(const CornerTable& table, Index point, double scale);
-
-/// Cost of collapsing an edge between smooth points, from the matrices of its ends; the triangles on the edge
-/// count twice. An approximation for ranking; `scale` as in the matrices. `sums_at_first` and
-/// `sums_at_second` are those of `add_rank_sums`, empty without attributes.
-float rank_smooth_edge(const Vec3& first, const Vec3& second, const PointMatrix& at_first,
-                       const PointMatrix& at_second, std::span<const float> sums_at_first,
-                       std::span<const float> sums_at_second, double scale, VertexPlacement placement);
+/// A new point stays within this many edge lengths of the edge's middle: an ill-conditioned solve must not
+/// throw it out of its neighbourhood.
+inline constexpr double k_reach = 2.0;
+/// Share of the squared edge length in the cost: orders what the triangles don't tell apart. At the noise of
+/// single precision, in which edges are ranked.
+inline constexpr double k_length_weight = 1e-7;
 
 /// Where an edge goes and what that costs.
 struct CollapsePlan {
   Collapse collapse;  ///< `removed` is k_no_index when the edge must stay
-  double cost = 0;    ///< in the unit of `rank_smooth_edge` with scale 1
+  double cost = 0;    ///< in the unit of `EdgeRanker::rank` with scale 1
   /// Root mean square distance of the new place from the planes and lines that it replaces.
   double deviation = 0;
   bool sets_attributes = false;  ///< those that count get new values, see `CollapsePlanner::set_attributes`
@@ -100,7 +55,7 @@ class CollapsePlanner {
 
  private:
   void gather(const EdgeRings& rings, Index first, Index second);
-  void add_corner(const RingCorner& corner, Index other);
+  void add_corner(const RingCorner& corner, Index at, Index other);
   void add_triangle(Index at, Index before, Index after);
   void add_lines(Index first, Index second);
   void add_line(const Vec3& through, const Vec3& along);
