@@ -17,6 +17,8 @@ constexpr double k_least_tangent = 1e-6;
 constexpr double k_least_length_ratio = 1e-6;
 // Border edges shorter than this share of the mean one take as much of the circle.
 constexpr double k_least_border_share = 1e-3;
+// Triangles of less area, against the square of their longest side, have none but what rounding gave them.
+constexpr double k_least_area = 1e-14;
 // The longer axis of an ellipse is at most this often the shorter one.
 constexpr double k_longest_ellipse = 100;
 
@@ -291,10 +293,11 @@ void StretchSum::add(const Vec3& a, const Vec3& b, const Vec3& c, const Vec2& p,
                      const Vec2& r) {
   const Vec3 ab = b - a, ac = c - a;
   const double area = 0.5 * ab.cross(ac).norm();
+  const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (c - b).squaredNorm()});
   const Vec2 pq = q - p, pr = r - p;
   const double twice_plane_area = pq.x() * pr.y() - pq.y() * pr.x();
   plane_area_ += 0.5 * std::abs(twice_plane_area);
-  if (!(area > 0)) return;
+  if (!(area > k_least_area * longest)) return;
   area_ += area;
   if (twice_plane_area == 0) {
     infinite_ = true;
