@@ -12,7 +12,8 @@
 namespace recede {
 
 /// How the faces of a surface are put into charts. Neighbouring charts merge, the cheapest pair first
-/// (Ramsey's dissertation, section 6.2.1, after Sander, Snyder, Gortler and Hoppe 2001, section 3.1). A merge
+/// (Ramsey's dissertation, section 6.2, after Sander, Snyder, Gortler and Hoppe 2001, "Texture mapping
+/// progressive meshes"). A merge
 /// costs
 ///
 ///     sum of A_i (1 - N . N_i)  +  compactness * perimeter^2
@@ -27,7 +28,7 @@ struct ChartOptions {
   /// half cylinder, 0.5 a hemisphere, 1 everything. Unset: `k_bend_limit`, unless `charts` or `cost_limit` is
   /// set.
   std::optional<double> bend_limit{};
-  static constexpr double k_bend_limit = 0.15;
+  static constexpr double k_bend_limit = 0.2;
 
   double compactness = 1;         ///< weight of the squared perimeter
   std::size_t least_corners = 3;  ///< a merge must leave a chart with so many corners, see `VertexPlace`
@@ -87,9 +88,9 @@ struct AtlasOptions {
   ChartOptions charts = {};
   ParameterizationOptions map = {};
   /// Charts whose L2 stretch is larger are cut in two, and again. Infinity: only where triangles flip.
-  double stretch_limit = 1.5;
+  double stretch_limit = 1.25;
   /// Charts get an area in the atlas like that on the surface, or, when this is set, that times their squared
-  /// L2 stretch (Sander et al. 2001, section 3.4): badly stretched ones take more texels.
+  /// L2 stretch (Sander et al. 2001): badly stretched ones take more texels.
   bool scale_by_stretch = false;
   PackingOptions packing = {};
 };

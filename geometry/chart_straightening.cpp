@@ -1,4 +1,4 @@
-// Borders between two charts become shortest ways along edges (Ramsey's dissertation, section 6.2.2).
+// Borders between two charts become shortest ways along edges (Ramsey's dissertation, section 6.2).
 #include <recede/geometry/detail/chart_surface.h>
 
 #include <algorithm>

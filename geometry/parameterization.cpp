@@ -77,6 +77,32 @@ std::vector<Vec2> border_in_plane(const detail::Disk& disk) {
   return points;
 }
 
+/// The circle turned, scaled and moved to where it differs least from `border`, in the sense of squares, and
+/// `share` of the way from there to `border` itself.
+std::vector<Vec2> between(const std::vector<Vec2>& circle, const std::vector<Vec2>& border, double share) {
+  const std::size_t n = circle.size();
+  Vec2 circle_middle = Vec2::Zero(), border_middle = Vec2::Zero();
+  for (std::size_t k = 0; k < n; ++k) {
+    circle_middle += circle[k] / static_cast<double>(n);
+    border_middle += border[k] / static_cast<double>(n);
+  }
+  double along = 0, across = 0, squares = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vec2 c = circle[k] - circle_middle, b = border[k] - border_middle;
+    along += c.dot(b);
+    across += c.x() * b.y() - c.y() * b.x();
+    squares += c.squaredNorm();
+  }
+  Eigen::Matrix2d turn;
+  turn << along, -across, across, along;
+  turn /= squares;
+  std::vector<Vec2> points(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    points[k] = (1 - share) * (turn * (circle[k] - circle_middle)) + share * (border[k] - border_middle);
+  }
+  return points;
+}
+
 /// Solves for the inner vertices of one disk: one factorisation for given weights, any number of borders.
 class InnerVertices {
  public:
@@ -208,10 +234,7 @@ class DiskMapper {
  public:
   DiskMapper(const detail::Disk& disk, const ParameterizationOptions& options)
       : disk_(disk), options_(options), inner_(disk), circle_(border_on_circle(disk)) {
-    if (options.border == DiskBorder::natural) {
-      in_plane_ = border_in_plane(disk);
-      if (!detail::is_simple_polygon(in_plane_)) in_plane_.clear();
-    }
+    if (options.border == DiskBorder::natural) in_plane_ = border_in_plane(disk);
   }
 
   Parameterization run() {
@@ -230,40 +253,53 @@ class DiskMapper {
  private:
   void try_weights(ParameterizationWeights weights) {
     if (!inner_.factorise(weights, std::vector<double>(disk_.positions.size(), 1.0))) return;
-    if (!in_plane_.empty()) try_border(DiskBorder::natural, weights);
-    try_border(options_.border == DiskBorder::circle ? DiskBorder::circle : DiskBorder::ellipse, weights);
+    if (!in_plane_.empty()) try_natural_borders(weights);
+    const DiskBorder round = options_.border == DiskBorder::circle ? DiskBorder::circle : DiskBorder::ellipse;
+    try_border(round, circle_, weights);
+  }
+
+  /// The border in the plane, or what comes near it where that doesn't do.
+  void try_natural_borders(ParameterizationWeights weights) {
+    if (try_border(DiskBorder::natural, in_plane_, weights)) return;
+    for (const double share : {0.75, 0.5, 0.25}) {
+      try_border(DiskBorder::natural, between(circle_, in_plane_, share), weights);
+    }
   }
 
   /// Keeps a map when it flips fewer triangles than the best so far, or as many and stretches less.
-  bool try_border(DiskBorder border, ParameterizationWeights weights) {
-    std::vector<Vec2> uvs = inner_.solve(border == DiskBorder::natural ? in_plane_ : circle_);
+  bool try_border(DiskBorder kind, const std::vector<Vec2>& border, ParameterizationWeights weights) {
+    if (kind == DiskBorder::natural && !detail::is_simple_polygon(border)) return false;
+    std::vector<Vec2> uvs = inner_.solve(border);
     if (uvs.empty()) return false;
-    if (border != DiskBorder::circle) fit_affine(disk_, uvs);
+    if (kind != DiskBorder::circle) fit_affine(disk_, uvs);
     Parameterization map;
     map.flipped = count_flipped(uvs, disk_.triangles);
-    if (border == DiskBorder::natural && map.flipped > 0) return false;
+    if (kind == DiskBorder::natural && map.flipped > 0) return false;
     map.stretch = measure_stretch(disk_.positions, uvs, disk_.triangles);
     map.weights = weights;
-    map.border = border;
+    map.border = kind;
     map.uvs = std::move(uvs);
     const bool better = best_.uvs.empty() || map.flipped < best_.flipped ||
                         (map.flipped == best_.flipped && map.stretch.l2 < best_.stretch.l2);
-    if (better) best_ = std::move(map);
-    return better;
+    if (!better) return false;
+    best_ = std::move(map);
+    best_border_ = border;
+    return true;
   }
 
   void lower_stretch() {
     std::vector<double> factors(disk_.positions.size(), 1.0);
     for (int round = 0; round < options_.stretch_rounds; ++round) {
       divide_by_stretch(disk_, best_.uvs, factors);
-      if (!inner_.factorise(best_.weights, factors) || !try_border(best_.border, best_.weights)) return;
+      if (!inner_.factorise(best_.weights, factors)) return;
+      if (!try_border(best_.border, best_border_, best_.weights)) return;
     }
   }
 
   const detail::Disk& disk_;
   const ParameterizationOptions& options_;
   InnerVertices inner_;
-  std::vector<Vec2> circle_, in_plane_;
+  std::vector<Vec2> circle_, in_plane_, best_border_;
   Parameterization best_;
 };
 

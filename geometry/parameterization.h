@@ -7,16 +7,16 @@
 
 namespace recede {
 
-/// How much a map from the plane to a surface stretches lengths (Sander, Snyder, Gortler and Hoppe 2001,
-/// section 3). Both figures are relative to a map that keeps areas on the whole: 1 is best, and only a map
-/// without any distortion has 1 in both.
+/// How much a map from the plane to a surface stretches lengths (Sander, Snyder, Gortler and Hoppe 2001).
+/// Both figures are relative to a map that keeps areas on the whole: 1 is best, and only a map without any
+/// distortion has 1 in both.
 struct Stretch {
   double l2 = 1;          ///< root mean square over all points of the surface and all directions
   double l_infinity = 1;  ///< largest of all points and directions; infinite where a triangle has no area in
                           ///< the plane but some on the surface
 };
 
-/// Weights of a vertex's neighbours (Floater 2003, "Mean value coordinates", equation 3): for a ring
+/// Weights of a vertex's neighbours (Floater 2003, "Mean value coordinates"): for a ring
 /// v_0 ... v_(n-1) around v, w_i = (tan(a_(i-1)/2) + tan(a_i/2)) / |v_i - v| with a_i the angle at v between
 /// v_i and v_(i+1), divided by their sum. In the plane the weighted mean of the ring is v itself. Positive
 /// for every ring: edges of no length and angles of 0 or pi are taken as nearly that.
@@ -34,8 +34,8 @@ enum class DiskBorder {
   ellipse,  ///< the affine image of that map which stretches least in the L2 sense, of the same area. Closed
             ///< form, and a map without flips stays one
   natural,  ///< the border as it is, dropped onto the plane of the surface's vector area and then fitted as
-            ///< `ellipse` is: a flat surface keeps its shape. It takes the ellipse where that stretches less,
-            ///< or where the natural border crosses itself or lets a triangle flip
+            ///< `ellipse` is: a flat surface keeps its shape. Where it crosses itself or lets a triangle
+            ///< flip, a border between it and the circle; the ellipse where that stretches less
 };
 
 struct ParameterizationOptions {
