@@ -19,7 +19,8 @@ struct MappedChart {
   std::vector<Index> faces;
   detail::Disk disk;
   Parameterization map;
-  double area = 0;  // on the unit-sized surface
+  double area = 0;          // on the unit-sized surface
+  std::vector<Vec2> uvs{};  // in the atlas
 };
 
 /// Makes disks of charts: triangles over vertices that are numbered anew in each chart, a mesh vertex once
@@ -101,53 +102,99 @@ double area_of(const detail::Disk& disk) {
   return area;
 }
 
-double plane_area(const MappedChart& chart) {
+double plane_area(const detail::Disk& disk, const std::vector<Vec2>& uvs) {
   double area = 0;
-  for (std::size_t t = 0; t < chart.disk.triangles.size(); t += 3) {
-    const Vec2& a = chart.map.uvs[chart.disk.triangles[t]];
-    const Vec2 ab = chart.map.uvs[chart.disk.triangles[t + 1]] - a,
-               ac = chart.map.uvs[chart.disk.triangles[t + 2]] - a;
+  for (std::size_t t = 0; t < disk.triangles.size(); t += 3) {
+    const Vec2& a = uvs[disk.triangles[t]];
+    const Vec2 ab = uvs[disk.triangles[t + 1]] - a, ac = uvs[disk.triangles[t + 2]] - a;
     area += 0.5 * std::abs(ab.x() * ac.y() - ab.y() * ac.x());
   }
   return area;
 }
 
-/// Maps all charts, cutting those that flip or stretch too much, until none has to be cut any more.
-std::vector<MappedChart> map_charts(detail::ChartSurface& surface, DiskMaker& disks,
-                                    const AtlasOptions& options, AtlasResult& result, Progress* progress) {
-  std::vector<MappedChart> charts(result.report.charts);
-  auto faces = surface.faces_by_chart(charts.size());
-  std::vector<std::size_t> pending(charts.size());
-  for (std::size_t c = 0; c < charts.size(); ++c) {
-    charts[c].faces = std::move(faces[c]);
-    pending[c] = c;
-  }
-  for (int round = 0; !pending.empty(); ++round) {
-    report_progress(progress, "mapping charts", 1 - std::pow(0.5, round));
-    for (const std::size_t c : pending) charts[c].disk = disks.make(charts[c].faces);
-    tbb::parallel_for(std::size_t{0}, pending.size(), [&](std::size_t i) {
-      MappedChart& chart = charts[pending[i]];
-      chart.map = detail::map_disk(chart.disk, options.map);
-      chart.area = area_of(chart.disk);
-    });
-    std::vector<std::size_t> cut;
-    for (const std::size_t c : pending) {
-      const bool flips = charts[c].map.flipped > 0;
-      if (charts[c].faces.size() < 2 || (!flips && charts[c].map.stretch.l2 <= options.stretch_limit))
-        continue;
-      ++(flips ? result.split_for_flips : result.split_for_stretch);
-      const std::size_t n_before = charts.size();
-      charts.resize(detail::split_chart(surface, charts[c].faces, n_before));
-      std::vector<Index> all = std::move(charts[c].faces);
-      charts[c].faces.clear();
-      for (const Index face : all) charts[surface.chart_of[face]].faces.push_back(face);
-      cut.push_back(c);
-      for (std::size_t added = n_before; added < charts.size(); ++added) cut.push_back(added);
+/// Maps charts, and cuts those that can't be mapped well.
+class ChartMapper {
+ public:
+  ChartMapper(detail::ChartSurface& surface, const AtlasOptions& options, AtlasResult& result)
+      : surface_(surface),
+        options_(options),
+        result_(result),
+        disks_(surface),
+        charts_(result.report.charts) {
+    auto faces = surface.faces_by_chart(charts_.size());
+    for (std::size_t c = 0; c < charts_.size(); ++c) {
+      charts_[c].faces = std::move(faces[c]);
+      pending_.push_back(c);
     }
-    pending = std::move(cut);
   }
-  return charts;
-}
+
+  /// Until no chart flips or stretches too much.
+  void map(Progress* progress) {
+    for (int round = 0; !pending_.empty(); ++round) {
+      report_progress(progress, "mapping charts", 1 - std::pow(0.5, round));
+      std::vector<std::size_t> charts;
+      charts.swap(pending_);
+      for (const std::size_t c : charts) charts_[c].disk = disks_.make(charts_[c].faces);
+      tbb::parallel_for(std::size_t{0}, charts.size(), [&](std::size_t i) {
+        MappedChart& chart = charts_[charts[i]];
+        chart.map = detail::map_disk(chart.disk, options_.map);
+        chart.area = area_of(chart.disk);
+      });
+      for (const std::size_t c : charts) {
+        const Parameterization& map = charts_[c].map;
+        if (charts_[c].faces.size() < 2) continue;
+        if (map.flipped > 0) {
+          cut(c, result_.split_for_flips);
+        } else if (!(map.stretch.l2 <= options_.stretch_limit)) {
+          cut(c, result_.split_for_stretch);
+        }
+      }
+    }
+  }
+
+  /// Rounding at a chart's place in the atlas may flip what its map didn't. Cuts such charts; a single face
+  /// becomes a triangle or polygon of a better shape. False when there was nothing to do.
+  bool cut_flipped() {
+    bool changed = false;
+    for (std::size_t c = 0, n = charts_.size(); c < n; ++c) {
+      MappedChart& chart = charts_[c];
+      if (count_flipped(chart.uvs, chart.disk.triangles) == 0) continue;
+      if (chart.faces.size() > 1) {
+        cut(c, result_.split_for_flips);
+      } else if (chart.map.border == DiskBorder::natural) {
+        ParameterizationOptions round = options_.map;
+        round.border = DiskBorder::ellipse;
+        chart.map = detail::map_disk(chart.disk, round);
+      } else {
+        continue;
+      }
+      changed = true;
+    }
+    return changed;
+  }
+
+  std::vector<MappedChart>& charts() { return charts_; }
+  Index vertex(Index corner) const { return disks_.vertex(corner); }
+
+ private:
+  void cut(std::size_t chart, std::size_t& counter) {
+    ++counter;
+    const std::size_t n_before = charts_.size();
+    charts_.resize(detail::split_chart(surface_, charts_[chart].faces, n_before));
+    const std::vector<Index> faces = std::move(charts_[chart].faces);
+    charts_[chart].faces.clear();
+    for (const Index face : faces) charts_[surface_.chart_of[face]].faces.push_back(face);
+    pending_.push_back(chart);
+    for (std::size_t added = n_before; added < charts_.size(); ++added) pending_.push_back(added);
+  }
+
+  detail::ChartSurface& surface_;
+  const AtlasOptions& options_;
+  AtlasResult& result_;
+  DiskMaker disks_;
+  std::vector<MappedChart> charts_;
+  std::vector<std::size_t> pending_;  // to be mapped
+};
 
 /// Turns each chart into its smallest rectangle, in the scale of the unit-sized surface: its lower left
 /// corner lies at the origin. Returns the rectangles' sides.
@@ -160,17 +207,17 @@ std::vector<Vec2> lay_out(std::vector<MappedChart>& charts, bool scale_by_stretc
     const double stretch = scale_by_stretch ? chart.map.stretch.l2 : 1;
     const double wanted =
         std::max(chart.area * (std::isfinite(stretch) ? stretch * stretch : 1), k_least_area_share * total);
-    const double present = plane_area(chart);
+    const double present = plane_area(chart.disk, chart.map.uvs);
     const double scale = present > 0 ? std::sqrt(wanted / present) : 0;
-    for (Vec2& uv : chart.map.uvs) uv *= scale;
     const BoundingRectangle box = smallest_rectangle(chart.map.uvs);
     const Vec2 across(-box.axis.y(), box.axis.x());
-    for (Vec2& uv : chart.map.uvs) {
-      const Vec2 p = uv - box.corner;
-      uv = {p.dot(box.axis), p.dot(across)};
+    chart.uvs.clear();
+    for (const Vec2& uv : chart.map.uvs) {
+      const Vec2 p = scale * (uv - box.corner);
+      chart.uvs.emplace_back(p.dot(box.axis), p.dot(across));
     }
     const double least = std::sqrt(k_least_area_share * total);
-    sides.push_back(box.sides.cwiseMax(least));
+    sides.push_back((scale * box.sides).cwiseMax(least));
   }
   return sides;
 }
@@ -178,6 +225,8 @@ std::vector<Vec2> lay_out(std::vector<MappedChart>& charts, bool scale_by_stretc
 /// Moves the charts to their places in [0,1]^2.
 void place_charts(std::vector<MappedChart>& charts, std::span<const Vec2> sides,
                   const PackedRectangles& packed, AtlasResult& result) {
+  result.charts.assign(charts.size(), {});
+  result.resolution = packed.resolution;
   for (std::size_t c = 0; c < charts.size(); ++c) {
     const PackedRectangles::Place& place = packed.places[c];
     AtlasChart& chart = result.charts[c];
@@ -186,7 +235,7 @@ void place_charts(std::vector<MappedChart>& charts, std::span<const Vec2> sides,
     chart.y = place.y;
     chart.width = static_cast<int>(std::ceil(place.turned ? texels.y() : texels.x()));
     chart.height = static_cast<int>(std::ceil(place.turned ? texels.x() : texels.y()));
-    for (Vec2& uv : charts[c].map.uvs) {
+    for (Vec2& uv : charts[c].uvs) {
       // A quarter turn, not a reflection: it keeps triangles counter-clockwise.
       Vec2 p = packed.texels_per_unit * (place.turned ? Vec2(sides[c].y() - uv.y(), uv.x()) : uv);
       p = p.cwiseMax(0.0).cwiseMin(Vec2(chart.width, chart.height));
@@ -207,15 +256,15 @@ void describe(const std::vector<MappedChart>& charts, double unit, AtlasResult& 
     chart.weights = mapped.map.weights;
     chart.border = mapped.map.border;
     chart.stretch = mapped.map.stretch;
-    chart.flipped = count_flipped(mapped.map.uvs, triangles);
+    chart.flipped = count_flipped(mapped.uvs, triangles);
     result.flipped += chart.flipped;
     result.uniform_weights += mapped.map.weights == ParameterizationWeights::uniform ? 1 : 0;
-    uv_area += plane_area(mapped);
+    uv_area += plane_area(mapped.disk, mapped.uvs);
     area += mapped.area;
     for (std::size_t t = 0; t < triangles.size(); t += 3) {
       const Index a = triangles[t], b = triangles[t + 1], d = triangles[t + 2];
-      whole.add(mapped.disk.positions[a], mapped.disk.positions[b], mapped.disk.positions[d],
-                mapped.map.uvs[a], mapped.map.uvs[b], mapped.map.uvs[d]);
+      whole.add(mapped.disk.positions[a], mapped.disk.positions[b], mapped.disk.positions[d], mapped.uvs[a],
+                mapped.uvs[b], mapped.uvs[d]);
     }
   }
   result.stretch = whole.stretch();
@@ -233,26 +282,25 @@ AtlasResult make_atlas(const PolygonSoup& soup, const AtlasOptions& options, Pro
   result.soup = soup;
   const detail::UnitSized sized(soup);
   detail::ChartSurface surface = detail::find_charts(sized, options.charts, result.report, progress);
-  DiskMaker disks(surface);
-  std::vector<MappedChart> charts = map_charts(surface, disks, options, result, progress);
-  report_progress(progress, "packing charts", 0);
-  const std::vector<Vec2> sides = lay_out(charts, options.scale_by_stretch);
-  const PackedRectangles packed = pack_rectangles(sides, options.packing);
-  result.charts.resize(charts.size());
-  place_charts(charts, sides, packed, result);
-  describe(charts, sized.unit, result);
+  ChartMapper mapper(surface, options, result);
+  do {
+    mapper.map(progress);
+    report_progress(progress, "packing charts", 0);
+    const std::vector<Vec2> sides = lay_out(mapper.charts(), options.scale_by_stretch);
+    place_charts(mapper.charts(), sides, pack_rectangles(sides, options.packing), result);
+  } while (mapper.cut_flipped());
+  describe(mapper.charts(), sized.unit, result);
   result.soup.corner_uvs.resize(soup.n_corners());
-  for (const MappedChart& chart : charts) {
+  for (const MappedChart& chart : mapper.charts()) {
     for (const Index face : chart.faces) {
       for (Index c = soup.face_offsets[face]; c < soup.face_offsets[face + 1]; ++c) {
-        result.soup.corner_uvs[c] = chart.map.uvs[disks.vertex(c)];
+        result.soup.corner_uvs[c] = chart.uvs[mapper.vertex(c)];
       }
     }
   }
-  result.report.charts = charts.size();
+  result.report.charts = result.charts.size();
   result.report.cut_length = detail::cut_length(surface) * sized.unit;
   result.face_charts = surface.chart_of;
-  result.resolution = packed.resolution;
   return result;
 }
 

@@ -30,9 +30,11 @@ struct ChartOptions {
   std::optional<double> bend_limit{};
   static constexpr double k_bend_limit = 0.2;
 
-  double compactness = 1;         ///< weight of the squared perimeter
-  std::size_t least_corners = 3;  ///< a merge must leave a chart with so many corners, see `VertexPlace`
-  bool straighten = true;         ///< borders between two charts become shortest ways along edges
+  double compactness = 1;  ///< weight of the squared perimeter
+  /// A merge must leave a chart with so many corners, as the source asks; see `VertexPlace`. Neighbours of
+  /// both charts may lose one.
+  std::size_t least_corners = 3;
+  bool straighten = true;  ///< borders between two charts become shortest ways along edges
 
   // Edges that charts don't cross, beside borders, edges of more than two faces, and edges whose two faces
   // disagree in orientation.

@@ -82,6 +82,40 @@ TEST(ChartAtlas, TheStretchLimitCutsChartsUntilAllKeepIt) {
   EXPECT_GT(tight.charts.size(), loose.charts.size());
 }
 
+TEST(ChartAtlas, AChartWhoseMapLeavesTheRangeOfNumbersIsCut) {
+  // A finger of three sides and 600 rings, open at its foot: with every ring the map shrinks about tenfold.
+  constexpr Index k_rings = 600;
+  PolygonSoup soup;
+  for (Index ring = 0; ring < k_rings; ++ring) {
+    for (int i = 0; i < 3; ++i) soup.positions.emplace_back(std::cos(2.1 * i), std::sin(2.1 * i), ring);
+  }
+  soup.add_face(std::vector<Index>{3 * k_rings - 3, 3 * k_rings - 2, 3 * k_rings - 1});
+  for (Index ring = 0; ring + 1 < k_rings; ++ring) {
+    for (Index i = 0; i < 3; ++i) {
+      const Index a = 3 * ring + i, b = 3 * ring + (i + 1) % 3;
+      soup.add_face(std::vector<Index>{a, b, b + 3});
+      soup.add_face(std::vector<Index>{a, b + 3, a + 3});
+    }
+  }
+  AtlasOptions options;
+  options.charts.charts = 1;
+  options.charts.least_corners = 0;
+  options.stretch_limit = std::numeric_limits<double>::infinity();
+  ASSERT_EQ(make_charts(soup, options.charts).report.charts, 1u);
+  const AtlasResult atlas = make_atlas(soup, options);
+  EXPECT_GT(atlas.split_for_flips, 0u);
+  EXPECT_EQ(atlas.split_for_stretch, 0u);
+  test::expect_sound(soup, atlas, options);
+}
+
+TEST(ChartAtlas, FacesThinnerThanTheAtlasResolvesStillHaveAnInside) {
+  PolygonSoup soup = test::grid(2, true);
+  for (Vec3& p : soup.positions) p.y() *= 1e-15;
+  soup.positions.insert(soup.positions.end(), {{3, 0, 0}, {4, 0, 0}, {3.3, 1e-17, 0}});
+  soup.add_face(std::vector<Index>{9, 10, 11});
+  test::expect_sound(soup, make_atlas(soup));
+}
+
 TEST(ChartAtlas, ScalingByStretchGivesBadChartsMoreRoom) {
   const PolygonSoup soup = make_displaced_sphere(2000, true);
   AtlasOptions options;

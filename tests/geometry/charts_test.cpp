@@ -1,5 +1,6 @@
 #include "chart_checks.h"
 #include "meshes.h"
+#include <recede/geometry/detail/chart_surface.h>
 #include <recede/geometry/error.h>
 
 #include <gmock/gmock.h>
@@ -243,17 +244,38 @@ TEST(Charts, StraighteningShortensCutsAndKeepsCornersAndDisks) {
 }
 
 TEST(Charts, AJaggedBorderBecomesTheStraightLine) {
-  // Two rows of triangles' worth of steps between two materials: the grid's middle column is the way between
-  // the ends of the border.
-  PolygonSoup soup = test::grid(8, true);
-  for (Vec3& p : soup.positions) {
-    if (p.x() > 0.5) p.z() = 2 * (p.x() - 0.5);  // a roof, so that charts meet near the fold
+  // Columns of cells 0-3 and 4-7 of a grid; in rows 2, 4 and 5 the border runs a column further right.
+  const PolygonSoup soup = test::grid(8, true);
+  ChartReport report;
+  detail::ChartSurface surface(soup, {}, report);
+  const auto column = [](std::size_t face) { return face / 2 / 8; };
+  const auto row = [](std::size_t face) { return face / 2 % 8; };
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    const std::size_t width = row(f) == 2 || row(f) == 4 || row(f) == 5 ? 5 : 4;
+    surface.chart_of[f] = column(f) < width ? 0 : 1;
   }
-  const Charts charts = make_charts(soup, {.charts = 2, .least_corners = 2});
-  ASSERT_EQ(charts.report.charts, 2u);
-  test::expect_disks(soup, charts.face_charts);
-  EXPECT_LE(charts.report.cut_length,
-            make_charts(soup, {.charts = 2, .least_corners = 2, .straighten = false}).report.cut_length);
+  EXPECT_NEAR(detail::cut_length(surface), 1.5, 1e-12);
+  EXPECT_EQ(detail::straighten_borders(surface, nullptr), 1u);
+  EXPECT_NEAR(detail::cut_length(surface), 1, 1e-12);
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) EXPECT_EQ(surface.chart_of[f], column(f) < 4 ? 0u : 1u);
+  EXPECT_EQ(detail::straighten_borders(surface, nullptr), 0u) << "nothing is left to do";
+}
+
+TEST(Charts, AStraightWayDoesntPassOtherBorders) {
+  // Chart 2 is a wedge that pushes the border of 0 and 1 aside: the way around it stays, though it is longer.
+  const PolygonSoup soup = test::grid(8, true);
+  ChartReport report;
+  detail::ChartSurface surface(soup, {}, report);
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    const std::size_t column = f / 2 / 8, row = f / 2 % 8;
+    const bool wedge = row >= 3 && row < 5 && column < 6;
+    surface.chart_of[f] = wedge ? 2 : row < 4 && column < 7 ? 0 : 1;
+  }
+  detail::straighten_borders(surface, nullptr);
+  test::expect_disks(soup, surface.chart_of);
+  std::size_t in_wedge = 0;
+  for (const Index chart : surface.chart_of) in_wedge += chart == 2 ? 1 : 0;
+  EXPECT_GT(in_wedge, 0u);
 }
 
 TEST(Charts, SizeAndPlaceOfTheModelDontMatter) {
