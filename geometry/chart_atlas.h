@@ -13,8 +13,7 @@ namespace recede {
 
 /// How the faces of a surface are put into charts. Neighbouring charts merge, the cheapest pair first
 /// (Ramsey's dissertation, section 6.2, after Sander, Snyder, Gortler and Hoppe 2001, "Texture mapping
-/// progressive meshes"). A merge
-/// costs
+/// progressive meshes"). A merge costs
 ///
 ///     sum of A_i (1 - N . N_i)  +  compactness * perimeter^2
 ///
@@ -24,9 +23,9 @@ namespace recede {
 struct ChartOptions {
   std::optional<std::size_t> charts{};  ///< merge until so many are left
   std::optional<double> cost_limit{};   ///< no merge costs more, square units
-  /// No merge gives a chart whose mean of 1 - N . N_i by area is larger: 0 holds flat charts only, 0.29 a
-  /// half cylinder, 0.5 a hemisphere, 1 everything. Unset: `k_bend_limit`, unless `charts` or `cost_limit` is
-  /// set.
+  /// No merge gives a chart whose mean of 1 - N . N_i by area is larger: 0 holds flat charts only, 0.29 two
+  /// equal faces at a right angle, 0.36 half a cylinder, 0.5 a hemisphere, 1 everything. Unset:
+  /// `k_bend_limit`, unless `charts` or `cost_limit` is set.
   std::optional<double> bend_limit{};
   static constexpr double k_bend_limit = 0.2;
 
@@ -114,7 +113,8 @@ struct AtlasResult {
   PolygonSoup soup;
   std::vector<Index> face_charts;  ///< F
   std::vector<AtlasChart> charts;
-  ChartReport report;  ///< before charts were split for flips or stretch, but for `charts` and `cut_length`
+  /// `charts` and `cut_length` are those of the atlas, the rest is as it was before charts were split.
+  ChartReport report;
 
   Stretch stretch;                    ///< of the whole atlas; the scale of charts against each other counts
   std::size_t split_for_flips = 0;    ///< charts cut since triangles flipped
@@ -126,11 +126,11 @@ struct AtlasResult {
   double units_per_uv = 0;            ///< length on the surface for which a uv length of 1 stands, by area
 };
 
-/// Charts, their maps and their packing in one call. Positions, faces and all other attributes of the
-/// input stay as they are; texture coordinates are new. Polygons are mapped as the
-/// triangles of `triangulate`. Faces and charts without area get some, so that every triangle has an inside.
-/// Throws what `make_charts`, `pack_rectangles` and `parameterize_disk` throw for wrong options, and
-/// `Cancelled`. Same result for any number of threads.
+/// Charts, their maps and their packing in one call. Positions, faces and all other attributes of the input
+/// stay as they are; texture coordinates are new. Polygons are mapped as the triangles of `triangulate`.
+/// Faces and charts without area get some, so that every triangle has an inside. Throws what `make_charts`,
+/// `pack_rectangles` and `parameterize_disk` throw for wrong options, and `Cancelled`. Same result for any
+/// number of threads.
 AtlasResult make_atlas(const PolygonSoup& soup, const AtlasOptions& options = {},
                        Progress* progress = nullptr);
 

@@ -23,6 +23,19 @@ UnitSized::UnitSized(const PolygonSoup& original) : soup(original) {
   unit = within * rest * box_unit;
 }
 
+namespace {
+
+void number_by_lowest_face(std::vector<Index>& chart_of, std::size_t n_charts) {
+  std::vector<Index> numbers(n_charts, k_no_index);
+  Index next = 0;
+  for (Index& chart : chart_of) {
+    if (numbers[chart] == k_no_index) numbers[chart] = next++;
+    chart = numbers[chart];
+  }
+}
+
+}  // namespace
+
 ChartSurface find_charts(const UnitSized& sized, const ChartOptions& options, ChartReport& report,
                          Progress* progress) {
   ChartSurface surface(sized.soup, options, report);
@@ -31,6 +44,7 @@ ChartSurface find_charts(const UnitSized& sized, const ChartOptions& options, Ch
   report.charts = merge_charts(surface, scaled, report, progress);
   report.largest_cost *= sized.unit * sized.unit;
   if (options.straighten) report.straightened = straighten_borders(surface, progress);
+  number_by_lowest_face(surface.chart_of, report.charts);
   return surface;
 }
 

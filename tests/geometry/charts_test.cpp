@@ -235,6 +235,11 @@ TEST(Charts, StraighteningShortensCutsAndKeepsCornersAndDisks) {
       EXPECT_LT(straight.report.cut_length, jagged.report.cut_length);
       EXPECT_EQ(straight.report.charts, jagged.report.charts);
       test::expect_disks(soup, straight.face_charts);
+      Index next = 0;
+      for (const Index chart : straight.face_charts) {
+        EXPECT_LE(chart, next) << "numbered by the lowest face";
+        if (chart == next) ++next;
+      }
       for (std::size_t v = 0; v < soup.positions.size(); ++v) {
         EXPECT_EQ(straight.vertex_places[v] == VertexPlace::corner,
                   jagged.vertex_places[v] == VertexPlace::corner);

@@ -18,9 +18,11 @@ TEST_P(AtlasHardCases, GiveDisksWithoutFlipsOrAClearError) {
   PolygonSoup merged = soup;
   merge_identical_vertices(merged);
   for (const PolygonSoup& input : {soup, merged}) {
-    const AtlasResult atlas = make_atlas(input);
-    test::expect_sound(input, atlas);
-    test::expect_gutter(atlas, PackingOptions().gutter);
+    AtlasOptions options;
+    options.packing = {.resolution = 256, .gutter = 2};
+    const AtlasResult atlas = make_atlas(input, options);
+    test::expect_sound(input, atlas, options);
+    test::expect_gutter(atlas, 2);
   }
 }
 

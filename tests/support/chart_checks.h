@@ -90,7 +90,7 @@ inline std::vector<std::vector<Index>> faces_of_charts(const std::vector<Index>&
   return faces;
 }
 
-/// Every chart is a disk.
+/// Every chart is a disk, and there is no number without one.
 inline void expect_disks(const PolygonSoup& soup, const std::vector<Index>& face_charts) {
   ASSERT_EQ(face_charts.size(), soup.n_faces());
   const GluedFaces glued(soup);
