@@ -8,6 +8,10 @@ namespace recede::detail {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
+// Weight of the squared perimeter where a chart is cut in two: small, so that the cut runs along creases and
+// not through the middle; not 0, or flat parts would be cut in any shape. Over nine models, scanned and
+// mechanical, 0.001 gave a quarter fewer charts than 1.
+constexpr double k_cut_compactness = 0.001;
 
 /// Keeps every chart's border as a doubly linked loop of sides. Two disks become one disk exactly when the
 /// sides that they share are one unbroken piece of both loops, and not both whole loops.
@@ -230,6 +234,7 @@ std::size_t split_chart(ChartSurface& surface, std::span<const Index> faces, std
   ChartSurface part(surface, soup, faces);
   ChartOptions options;
   options.charts = 2;
+  options.compactness = k_cut_compactness;
   options.least_corners = 0;
   ChartReport report;
   const std::size_t n_parts = merge_charts(part, options, report, nullptr);
