@@ -83,20 +83,7 @@ TEST(ChartAtlas, TheStretchLimitCutsChartsUntilAllKeepIt) {
 }
 
 TEST(ChartAtlas, AChartWhoseMapLeavesTheRangeOfNumbersIsCut) {
-  // A finger of three sides and 600 rings, open at its foot: with every ring the map shrinks about tenfold.
-  constexpr Index k_rings = 600;
-  PolygonSoup soup;
-  for (Index ring = 0; ring < k_rings; ++ring) {
-    for (int i = 0; i < 3; ++i) soup.positions.emplace_back(std::cos(2.1 * i), std::sin(2.1 * i), ring);
-  }
-  soup.add_face(std::vector<Index>{3 * k_rings - 3, 3 * k_rings - 2, 3 * k_rings - 1});
-  for (Index ring = 0; ring + 1 < k_rings; ++ring) {
-    for (Index i = 0; i < 3; ++i) {
-      const Index a = 3 * ring + i, b = 3 * ring + (i + 1) % 3;
-      soup.add_face(std::vector<Index>{a, b, b + 3});
-      soup.add_face(std::vector<Index>{a, b + 3, a + 3});
-    }
-  }
+  const PolygonSoup soup = test::finger(600, 1);
   AtlasOptions options;
   options.charts.charts = 1;
   options.charts.least_corners = 0;

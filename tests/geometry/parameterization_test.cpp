@@ -212,6 +212,18 @@ TEST(Parameterization, RandomSurfacesMapWithoutFlips) {
   }
 }
 
+TEST(Parameterization, UniformWeightsTakeOverWhereNumbersFlipTriangles) {
+  // In far apart rings a vertex hardly feels the ones above and below.
+  const PolygonSoup soup = test::finger(20, 30);
+  const Parameterization map = map_of(soup);
+  EXPECT_EQ(map.weights, ParameterizationWeights::uniform);
+  EXPECT_EQ(map.flipped, 0u);
+  // Where the range of numbers ends there is nothing to be done, and it is said.
+  const Parameterization longer = map_of(test::finger(300, 30));
+  EXPECT_GT(longer.flipped, 0u);
+  for (const Vec2& uv : longer.uvs) EXPECT_TRUE(uv.allFinite());
+}
+
 TEST(Parameterization, FacesWithoutAreaDoNoHarm) {
   PolygonSoup soup = test::grid(10, true);
   for (Vec3& p : soup.positions) p = {std::floor(3 * p.x()) / 3, std::floor(2 * p.y()) / 2, 0};
