@@ -79,4 +79,23 @@ inline PolygonSoup prism(Index n) {
   return soup;
 }
 
+/// A tube of three sides, open at its foot and closed by a triangle at its tip: rings `height` apart. A map
+/// of it shrinks with every ring.
+inline PolygonSoup finger(Index rings, double height) {
+  PolygonSoup soup;
+  for (Index ring = 0; ring < rings; ++ring) {
+    for (int i = 0; i < 3; ++i)
+      soup.positions.emplace_back(std::cos(2.1 * i), std::sin(2.1 * i), height * ring);
+  }
+  soup.add_face(std::vector<Index>{3 * rings - 3, 3 * rings - 2, 3 * rings - 1});
+  for (Index ring = 0; ring + 1 < rings; ++ring) {
+    for (Index i = 0; i < 3; ++i) {
+      const Index a = 3 * ring + i, b = 3 * ring + (i + 1) % 3;
+      soup.add_face(std::vector<Index>{a, b, b + 3});
+      soup.add_face(std::vector<Index>{a, b + 3, a + 3});
+    }
+  }
+  return soup;
+}
+
 }  // namespace recede::test

@@ -1,0 +1,226 @@
+// Greedy merging of neighbouring clusters, the cheapest pair first. Charts of a surface and the clusters of a
+// billboard cloud come from it; what a cluster is and what a merge costs is a policy's business.
+#pragma once
+
+#include <recede/geometry/disjoint_sets.h>
+#include <recede/geometry/progress.h>
+
+#include <algorithm>
+#include <concepts>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace recede {
+
+/// Owns what belongs to the clusters. A cluster is named by the lowest item in it.
+template <class Policy>
+concept MergePolicy = requires(Policy& policy, Index lower, Index higher) {
+  /// What it costs to merge two neighbouring clusters; infinity (or not a number) refuses. Merges of other
+  /// clusters may raise the cost of a pair, or have it refused, but never lower it: a pair that was refused
+  /// is asked for again only after one of the two has grown.
+  { policy.cost(lower, higher) } -> std::convertible_to<double>;
+  /// Makes `higher` a part of `lower`.
+  policy.merge(lower, higher);
+};
+
+struct AgglomerationOptions {
+  std::size_t clusters = 1;                                     ///< merge until so many are left
+  double cost_limit = std::numeric_limits<double>::infinity();  ///< no merge costs more than this
+};
+
+enum class AgglomerationStop { cluster_target, cost_limit, no_merge_left };
+
+/// One merge: `absorbed` became part of `kept`, which is the lower of the two.
+struct ClusterMerge {
+  Index kept, absorbed;
+  double cost;
+};
+
+/// The merge tree.
+struct Agglomeration {
+  std::size_t n_items = 0;
+  std::vector<ClusterMerge> merges;  ///< in the order in which they were made
+  AgglomerationStop reason = AgglomerationStop::no_merge_left;
+
+  std::size_t n_clusters() const { return n_items - merges.size(); }
+};
+
+/// The cluster of every item after the first `n_merges` merges: one run gives every level of a hierarchy.
+/// Clusters are numbered from 0 in the order of their lowest items.
+inline std::vector<Index> clusters_after(const Agglomeration& agglomeration, std::size_t n_merges) {
+  DisjointSets sets(agglomeration.n_items);
+  for (std::size_t m = 0; m < n_merges; ++m) {
+    sets.merge(agglomeration.merges[m].kept, agglomeration.merges[m].absorbed);
+  }
+  std::vector<Index> clusters(agglomeration.n_items);
+  Index next = 0;
+  for (Index item = 0; item < agglomeration.n_items; ++item) {
+    const Index name = sets.find(item);
+    clusters[item] = name == item ? next++ : clusters[name];
+  }
+  return clusters;
+}
+
+namespace detail {
+
+/// The neighbours of a cluster are a linked list in one pool, so that merging two lists takes one step; a
+/// link that leads inside or repeats another goes when the list is read next. Queue entries are never
+/// removed: they count how often their two clusters had grown, and are void once that has changed.
+template <MergePolicy Policy>
+class Agglomerator {
+ public:
+  Agglomerator(std::size_t n_items, std::span<const std::pair<Index, Index>> neighbours, Policy& policy)
+      : policy_(policy),
+        sets_(n_items),
+        lists_(n_items),
+        growth_(n_items, 0),
+        seen_(n_items, k_no_index),
+        links_(2 * neighbours.size()) {
+    result_.n_items = n_items;
+    // Backwards, so that lists run in the order of `neighbours`.
+    for (std::size_t e = neighbours.size(); e-- > 0;) {
+      const auto [a, b] = neighbours[e];
+      add_link(static_cast<Index>(2 * e), a, b);
+      add_link(static_cast<Index>(2 * e + 1), b, a);
+    }
+  }
+
+  Agglomeration run(const AgglomerationOptions& options, Progress* progress) {
+    for (Index item = 0; item < result_.n_items; ++item) queue_neighbours(item, true);
+    while (result_.n_clusters() > options.clusters) {
+      if (result_.merges.size() % 4096 == 0) {
+        report_progress(progress, "merging clusters",
+                        static_cast<double>(result_.merges.size()) / static_cast<double>(result_.n_items));
+      }
+      Candidate cheapest;
+      if (!pop_cheapest(cheapest)) {
+        result_.reason = AgglomerationStop::no_merge_left;
+        return std::move(result_);
+      }
+      if (cheapest.cost > options.cost_limit) {
+        result_.reason = AgglomerationStop::cost_limit;
+        return std::move(result_);
+      }
+      merge(cheapest);
+    }
+    result_.reason = AgglomerationStop::cluster_target;
+    return std::move(result_);
+  }
+
+ private:
+  struct List {
+    Index first = k_no_index, last = k_no_index;
+  };
+  struct Link {
+    Index item, next;
+  };
+  struct Candidate {
+    double cost;
+    Index lower, higher;
+    Index growth;  // of both together when the cost was computed
+
+    bool operator<(const Candidate& other) const {  // the standard heap has its largest element on top
+      if (cost != other.cost) return cost > other.cost;
+      return lower != other.lower ? lower > other.lower : higher > other.higher;
+    }
+  };
+
+  void add_link(Index link, Index from, Index to) {
+    links_[link] = {to, lists_[from].first};
+    lists_[from].first = link;
+    if (lists_[from].last == k_no_index) lists_[from].last = link;
+  }
+
+  /// Queues the cluster with each of its neighbours; at the start only with those of higher number.
+  void queue_neighbours(Index cluster, bool higher_only) {
+    seen_[cluster] = cluster;
+    neighbours_.clear();
+    Index* place = &lists_[cluster].first;
+    lists_[cluster].last = k_no_index;
+    while (*place != k_no_index) {
+      Link& link = links_[*place];
+      const Index other = sets_.find(link.item);
+      if (seen_[other] == cluster) {
+        *place = link.next;
+        continue;
+      }
+      seen_[other] = cluster;
+      neighbours_.push_back(other);
+      lists_[cluster].last = *place;
+      place = &link.next;
+    }
+    for (const Index other : neighbours_) {
+      seen_[other] = k_no_index;
+      if (!higher_only || other > cluster) queue(cluster, other);
+    }
+    seen_[cluster] = k_no_index;
+  }
+
+  void queue(Index a, Index b) {
+    const auto [lower, higher] = std::minmax(a, b);
+    push({policy_.cost(lower, higher), lower, higher, growth_[lower] + growth_[higher]});
+  }
+
+  void push(const Candidate& candidate) {
+    if (!(candidate.cost < std::numeric_limits<double>::infinity())) return;
+    queue_.push_back(candidate);
+    std::push_heap(queue_.begin(), queue_.end());
+  }
+
+  bool pop_cheapest(Candidate& cheapest) {
+    while (!queue_.empty()) {
+      std::pop_heap(queue_.begin(), queue_.end());
+      cheapest = queue_.back();
+      queue_.pop_back();
+      if (growth_[cheapest.lower] + growth_[cheapest.higher] != cheapest.growth) continue;
+      const double cost = policy_.cost(cheapest.lower, cheapest.higher);
+      if (cost <= cheapest.cost) return true;
+      cheapest.cost = cost;  // it rose meanwhile
+      push(cheapest);
+    }
+    return false;
+  }
+
+  void merge(const Candidate& pair) {
+    policy_.merge(pair.lower, pair.higher);
+    sets_.merge(pair.lower, pair.higher);
+    List& list = lists_[pair.lower];
+    if (list.first == k_no_index) {
+      list = lists_[pair.higher];
+    } else {
+      links_[list.last].next = lists_[pair.higher].first;
+    }
+    ++growth_[pair.lower];
+    ++growth_[pair.higher];  // its entries are void
+    result_.merges.push_back({pair.lower, pair.higher, pair.cost});
+    queue_neighbours(pair.lower, false);
+  }
+
+  Policy& policy_;
+  Agglomeration result_;
+  DisjointSets sets_;
+  std::vector<List> lists_;
+  std::vector<Index> growth_;  // merges that made each cluster
+  std::vector<Index> seen_;
+  std::vector<Link> links_;
+  std::vector<Index> neighbours_;
+  std::vector<Candidate> queue_;
+};
+
+}  // namespace detail
+
+/// Merges the cheapest pair of neighbouring clusters, starting from one cluster per item, until an option
+/// stops it or no merge is left. Of pairs that cost the same the one with the lower names goes first, so the
+/// same input gives the same tree. `neighbours` holds pairs of items, each once or more often, in either
+/// order; clusters are neighbours when items of theirs are. A pair's cost is computed when one of the two has
+/// grown, and again before it is merged. Throws `Cancelled`.
+template <MergePolicy Policy>
+Agglomeration agglomerate(std::size_t n_items, std::span<const std::pair<Index, Index>> neighbours,
+                          Policy& policy, const AgglomerationOptions& options = {},
+                          Progress* progress = nullptr) {
+  return detail::Agglomerator<Policy>(n_items, neighbours, policy).run(options, progress);
+}
+
+}  // namespace recede
