@@ -66,8 +66,9 @@ void require_faces(const Model& model, const std::string& input) {
 }
 
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle) {
-  const CLI::Validator cost = one_of<CostPolicy>(
-      {{"volume", CostPolicy::volume}, {"normal_deviation", CostPolicy::normal_deviation}});
+  const CLI::Validator cost = one_of<CostPolicy>({{"volume", CostPolicy::volume},
+                                                  {"normal_deviation", CostPolicy::normal_deviation},
+                                                  {"texture_deviation", CostPolicy::texture_deviation}});
   const CLI::Validator placement = one_of<VertexPlacement>({{"automatic", VertexPlacement::automatic},
                                                             {"half_edge", VertexPlacement::half_edge},
                                                             {"midpoint", VertexPlacement::midpoint},
@@ -75,7 +76,7 @@ void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& f
   const auto group = "Simplification";
   command
       .add_option("--cost", options.cost,
-                  "what decides which edge goes: volume (default) or normal_deviation")
+                  "what decides which edge goes: volume (default), normal_deviation or texture_deviation")
       ->transform(cost)
       ->group(group)
       ->option_text("NAME");

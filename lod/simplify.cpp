@@ -61,6 +61,11 @@ void check(const SimplifyOptions& options) {
   require(options.candidate_share > 0 && options.candidate_share <= 1, "candidate_share must lie in (0, 1]");
   require(options.placement != VertexPlacement::optimal || options.cost == CostPolicy::volume,
           "placement optimal needs the cost volume");
+  require(options.cost != CostPolicy::texture_deviation || options.placement == VertexPlacement::automatic ||
+              options.placement == VertexPlacement::half_edge,
+          "texture_deviation needs the placement half_edge");
+  require(options.cost != CostPolicy::texture_deviation || options.keep_uv_seams,
+          "texture_deviation needs the seams of texture coordinates");
   require(options.join_distance >= 0 && std::isfinite(options.join_distance),
           "join_distance must be finite and not negative");
   require(options.join_distance == 0 || options.cost == CostPolicy::volume,
@@ -102,10 +107,12 @@ Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double d
 std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonSoup& soup, const SimplifyOptions& options) {
   detail::CornerTable table = detail::build_corner_table(
       soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
+  require(options.cost != CostPolicy::texture_deviation || table.has_uvs || table.n_faces() == 0,
+          "texture_deviation needs texture coordinates, and the mesh has none");
   if (options.join_distance > 0) table.joins = find_joins(table, options.join_distance / table.scale);
-  return options.cost == CostPolicy::volume
-             ? detail::make_volume_simplifier(std::move(table), options)
-             : detail::make_normal_deviation_simplifier(std::move(table), options);
+  return options.cost == CostPolicy::normal_deviation
+             ? detail::make_normal_deviation_simplifier(std::move(table), options)
+             : detail::make_volume_simplifier(std::move(table), options);
 }
 
 double diagonal_of(const detail::CornerTable& table) {

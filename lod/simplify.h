@@ -23,13 +23,19 @@ enum class CostPolicy {
   /// of a
   /// changed polygon before and after, and permitted while that exceeds a threshold.
   normal_deviation,
+  /// Cohen, Olano and Manocha 1998; Sander et al. 2001: a half-edge collapse costs the largest distance
+  /// between
+  /// two points with the same texture coordinates, before and after, and a share of that so far. No polygon
+  /// turns over in the texture. Needs texture coordinates.
+  texture_deviation,
 };
 
 /// Where the vertex of a collapsed edge goes.
 enum class VertexPlacement {
-  automatic,  ///< `optimal` for `volume`, `half_edge` for `normal_deviation`
+  automatic,  ///< `optimal` for `volume`, else `half_edge`
   half_edge,  ///< one of the two ends: vertices of the result are vertices of the input
-  midpoint,   ///< middle of the edge ("full edge" in the source of `normal_deviation`)
+  midpoint,   ///< middle of the edge ("full edge" in the source of `normal_deviation`); not for
+              ///< `texture_deviation`
   optimal,    ///< best position for the cost; `volume` only
 };
 
@@ -173,7 +179,8 @@ struct SimplifySoupResult : SimplifyReport {
 /// own remain possible); edges with more than two polygons are collapsed along themselves with all their
 /// polygons. Corner attributes are interpolated, or taken from the surviving end for half-edge collapses. A
 /// target that can't be reached gives the best mesh with `reason == no_collapse_left`. Same bytes for any
-/// number of threads. Throws `OptionError` for options out of range.
+/// number of threads. Throws `OptionError` for options out of range, and for `texture_deviation` without
+/// texture coordinates or without their seams.
 SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options = {},
                         Progress* progress = nullptr);
 

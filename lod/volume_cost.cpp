@@ -14,6 +14,9 @@ constexpr double k_reach_out = 0.5;
 /// volumes of tetrahedra (1/6 of the product) and areas of triangles (1/2), the source's equal weights.
 constexpr double k_line_weight = 9.0;
 
+/// Share of the texture deviation that an edge's ends had already in the cost of their collapse. With all of
+/// it the largest deviation is least, with nothing the mean: between them.
+constexpr double k_so_far = 0.3;
 /// Cost over weight and squared half edge length that counts as none.
 constexpr double k_flat = 1e-20;
 
@@ -196,7 +199,8 @@ CollapsePlan CollapsePlanner::plan_at(Index removed, Index kept, const Vec3& pla
   return {{removed, kept, place + center_, share},
           cost,
           weight > 0 ? std::sqrt(shape_.at(place) / weight) : 0,
-          has_attributes_};
+          has_attributes_,
+          {}};
 }
 
 /// The better of the ends to which the edge may shrink.
@@ -215,6 +219,11 @@ CollapsePlan CollapsePlanner::plan_at_ends(const EdgeFreedom& freedom, Index fir
   return best;
 }
 
+CollapsePlan CollapsePlanner::plan_at_an_end(Index first, Index second) {
+  if (policy_ == CostPolicy::texture_deviation) return {};  // its plans are at ends
+  return plan_at_ends(edge_freedom(table_, first, second), first, second);
+}
+
 CollapsePlan CollapsePlanner::plan_join(const EdgeRings& rings, const EdgeFreedom& freedom, Index first,
                                         Index second) {
   gather(rings, first, second);
@@ -225,9 +234,26 @@ CollapsePlan CollapsePlanner::plan_join(const EdgeRings& rings, const EdgeFreedo
   return plan_at(first, second, placement_ == VertexPlacement::midpoint ? Vec3::Zero() : place, 0.5);
 }
 
+CollapsePlan CollapsePlanner::plan_by_texture(const EdgeRings& rings, const EdgeFreedom& freedom, Index first,
+                                              Index second) {
+  CollapsePlan best;
+  best.refused = Refusal::flip;
+  const auto so_far = static_cast<double>(std::max(table_.deviation[first], table_.deviation[second]));
+  const auto consider = [&](const std::vector<RingCorner>& ring, Index removed, Index kept) {
+    const auto deviation = texture_.measure(ring, removed, kept);
+    if (!deviation || (!best.refused && *deviation >= best.deviation)) return;
+    best = {
+        {removed, kept, table_.positions[kept], 1}, *deviation + k_so_far * so_far, *deviation, false, {}};
+  };
+  if (freedom.may_remove_first) consider(rings.removed, first, second);
+  if (freedom.may_remove_second) consider(rings.kept, second, first);
+  return best;
+}
+
 CollapsePlan CollapsePlanner::plan(const EdgeRings& rings, Index first, Index second) {
   const EdgeFreedom freedom = edge_freedom(table_, first, second);
   if (!freedom.allowed) return {};
+  if (policy_ == CostPolicy::texture_deviation) return plan_by_texture(rings, freedom, first, second);
   gather(rings, first, second);
   if (placement_ == VertexPlacement::half_edge || !freedom.may_move) {
     return plan_at_ends(freedom, first, second);

@@ -1,4 +1,5 @@
-// Passes of independent collapses in the order of a volume-preserving cost (see volume_cost.h).
+// Passes of independent collapses in the order of a volume-preserving cost (see volume_cost.h), or of the
+// texture deviation (see texture_deviation.h).
 //
 // Every pass ranks all edges, then walks them from the cheapest on and collapses those whose ends no earlier
 // collapse of the pass has moved. A pass ends at the cost of an edge that would come not long after the last
@@ -27,16 +28,19 @@ namespace {
 /// Share of the points that one pass may remove at most; about a third of them are then independent.
 constexpr double k_pass_share = 1.0;
 /// A pass ends at the cost of the edge that would come this many times later than the last one if all went in
-/// order: fewer passes, and hardly more error.
-constexpr double k_pass_reach = 3.0;
+/// order: fewer passes, and hardly more error. Where polygons are to be kept the order counts more.
+constexpr double k_pass_reach = 2.0;
+/// Only above this share of the points still to go, which no pass can remove: independent edges have an end
+/// in every two points.
+constexpr double k_far_share = 0.5;
 /// Below this share of the points still to go, edges are taken one by one to the exact count.
-constexpr double k_last_share = 0.3;
+constexpr double k_last_share = 0.1;
 /// For the last pass: it may go on to the edge that would come this many times later if all were independent.
 constexpr double k_last_reach = 2.0;
 /// Since it was ranked, a cost may have grown by this factor; beyond that the edge waits for the next pass.
 constexpr double k_grown = 1.5;
-/// Cosine between a polygon's normals before and after one collapse.
-constexpr double k_least_normal_cosine = 0.2;
+/// Cosine between a polygon's normals before and after one collapse; and where nothing else is left to do.
+constexpr double k_least_normal_cosine = 0.2, k_last_normal_cosine = 0.0;
 /// Factor on the cost for each step of `polygon_loss`.
 constexpr float k_polygon_loss = 40;
 /// Points of one patch.
@@ -94,8 +98,9 @@ struct EdgeBlock {
 
 /// What one thread needs to look at an edge.
 struct Workbench {
-  Workbench(const CornerTable& table, const AttributeChannels& channels, VertexPlacement placement)
-      : rules(table, k_least_normal_cosine), planner(table, channels, placement) {}
+  Workbench(const CornerTable& table, const AttributeChannels& channels, const SimplifyOptions& options,
+            double least_cosine = k_least_normal_cosine)
+      : rules(table, least_cosine), planner(table, channels, options.cost, options.placement) {}
   EdgeRings rings;
   CollapseRules rules;
   CollapsePlanner planner;
@@ -141,16 +146,19 @@ class VolumeSimplifier final : public Simplifier {
   void rank(Patch& patch);
   void rank_point(Patch& patch, Workbench& bench, Index p);
   void rank_block(Patch& patch, EdgeBlock& block) const;
-  float cost_at_line(Workbench& bench, Index p, Index q) const;
+  float exact_cost(Workbench& bench, Index p, Index q) const;
   void add_candidate(Patch& patch, Index p, Index q, Index corner, float cost) const;
   void collapse_inside(Patch& patch, float limit, double error);
   std::vector<Candidate> collapse_inside_all(std::vector<Patch>& patches, float limit, double error);
   void shift_patches(const std::vector<Candidate>& candidates);
-  std::size_t collapse_in_order(std::vector<Candidate>& candidates, float limit, const Limits& limits);
+  std::size_t collapse_in_order(std::vector<Candidate>& candidates, float limit, const Limits& limits,
+                                double least_cosine = k_least_normal_cosine);
   Try attempt(Candidate candidate, float limit, double error, Workbench& bench, const Patch* within,
               RunCounts& counts);
   std::size_t join(float limit, const Limits& limits);
   bool attempt_join(const PointPair& pair, float limit, double error, Workbench& bench, RunCounts& counts);
+  std::optional<Refusal> carry_out(const CollapsePlan& plan, Index first, Index second, double error,
+                                   Workbench& bench, RunCounts& counts);
   std::size_t wanted(const Limits& limits) const;
   std::vector<Candidate> take_all_below(float limit);
 
@@ -186,15 +194,15 @@ void VolumeSimplifier::start_pass() {
   // A unit in which edges are about 1 long; costs are sixth powers of lengths.
   const double scale = std::sqrt(static_cast<double>(std::max<std::size_t>(table_.n_faces(), 1)));
   cost_scale_ = std::pow(scale, 6);
-  ranker_.start(scale);
+  if (options_.cost == CostPolicy::volume) ranker_.start(scale);
 }
 
-/// The exact cost of an edge at a line; negative for an edge that must stay.
-float VolumeSimplifier::cost_at_line(Workbench& bench, Index p, Index q) const {
+/// The exact cost of an edge; negative for an edge that must stay.
+float VolumeSimplifier::exact_cost(Workbench& bench, Index p, Index q) const {
   if (!edge_freedom(table_, p, q).allowed) return -1;
   bench.rings.gather(table_, p, q);
   const CollapsePlan plan = bench.planner.plan(bench.rings, p, q);
-  return static_cast<float>(plan.cost * cost_scale_);
+  return plan.collapse.removed == k_no_index ? -1 : static_cast<float>(plan.cost * cost_scale_);
 }
 
 void VolumeSimplifier::add_candidate(Patch& patch, Index p, Index q, Index corner, float cost) const {
@@ -227,12 +235,12 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p) {
       ++patch.counts.refused[Refusal::error];
       return;
     }
-    if (smooth && table_.classes[q] == PointClass::smooth) {
+    if (smooth && table_.classes[q] == PointClass::smooth && options_.cost == CostPolicy::volume) {
       bench.block.add({p, q}, corner);
       if (bench.block.size == EdgeRanker::k_lanes) rank_block(patch, bench.block);
       return;
     }
-    const float cost = cost_at_line(bench, p, q);
+    const float cost = exact_cost(bench, p, q);
     if (cost >= 0) return add_candidate(patch, p, q, corner, cost);
     ++patch.counts.refused[Refusal::border];
   };
@@ -252,7 +260,7 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p) {
 }
 
 void VolumeSimplifier::rank(Patch& patch) {
-  Workbench bench(table_, channels_, options_.placement);
+  Workbench bench(table_, channels_, options_);
   patch.candidates.reserve(3 * (patch.last - patch.first) + 64);
   for (Index p = patch.first; p < patch.last; ++p) rank_point(patch, bench, p);
   rank_block(patch, bench.block);
@@ -270,38 +278,56 @@ VolumeSimplifier::Try VolumeSimplifier::attempt(Candidate candidate, float limit
   bench.rings.gather(table_, first, second);
   if (within && !bench.rings.lie_within(table_, within->first, within->last)) return Try::outside;
   const CollapsePlan plan = bench.planner.plan(bench.rings, first, second);
+  if (plan.refused) ++counts.refused[*plan.refused];
   if (plan.collapse.removed == k_no_index) return Try::refused;
-  const double most = std::max(static_cast<double>(limit), k_grown * static_cast<double>(cost_of(candidate)));
-  if (plan.cost * cost_scale_ > most) return Try::refused;
+  const double most =
+      std::max(static_cast<double>(limit), k_grown * static_cast<double>(cost_of(candidate))) / cost_scale_;
+  if (plan.cost > most) return Try::refused;
+  auto refused = carry_out(plan, first, second, error, bench, counts);
+  if (refused == Refusal::flip || refused == Refusal::degenerate) {
+    // An end of the edge may do where the best place doesn't.
+    const CollapsePlan at_end = bench.planner.plan_at_an_end(first, second);
+    if (at_end.collapse.removed != k_no_index && at_end.cost <= most) {
+      refused = carry_out(at_end, first, second, error, bench, counts);
+    }
+  }
+  if (!refused) return Try::done;
+  ++counts.refused[*refused];
+  return Try::refused;
+}
+
+/// Collapses an edge as planned, unless something speaks against it. `bench.rings` are those of `first` and
+/// `second`.
+std::optional<Refusal> VolumeSimplifier::carry_out(const CollapsePlan& plan, Index first, Index second,
+                                                   double error, Workbench& bench, RunCounts& counts) {
   const Collapse& collapse = plan.collapse;
-  if (collapse.removed == second) std::swap(bench.rings.removed, bench.rings.kept);
+  const bool is_turned = collapse.removed == second;
+  if (is_turned) std::swap(bench.rings.removed, bench.rings.kept);
   double deviation =
       plan.deviation + static_cast<double>(std::max(table_.deviation[first], table_.deviation[second]));
   // With a limit it pays to look closer.
   if (std::isfinite(error)) {
     deviation = std::max(deviation, local_deviation(table_, bench.rings, collapse));
   }
-  if (deviation > error) {
-    ++counts.refused[Refusal::error];
-    return Try::refused;
-  }
-  if (const auto refused = bench.rules.refusal(bench.rings, collapse)) {
-    ++counts.refused[*refused];
-    return Try::refused;
+  const std::optional<Refusal> refused =
+      deviation > error ? Refusal::error : bench.rules.refusal(bench.rings, collapse);
+  if (refused) {
+    if (is_turned) std::swap(bench.rings.removed, bench.rings.kept);
+    return refused;
   }
   counts.add(apply_collapse(table_, collapse));
   if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
   counts.error = std::max(counts.error, deviation);
   table_.deviation[collapse.kept] = static_cast<float>(deviation);
   touched_[first] = touched_[second] = 1;
-  return Try::done;
+  return std::nullopt;
 }
 
 void VolumeSimplifier::collapse_inside(Patch& patch, float limit, double error) {
   const auto cheap = std::partition(patch.candidates.begin(), patch.candidates.end(),
                                     [&](Candidate c) { return cost_of(c) <= limit; });
   std::sort(patch.candidates.begin(), cheap);
-  Workbench bench(table_, channels_, options_.placement);
+  Workbench bench(table_, channels_, options_);
   for (auto c = patch.candidates.begin(); c != cheap; ++c) {
     const Try result = attempt(*c, limit, error, bench, &patch, patch.counts);
     if (result == Try::outside) patch.across.push_back(*c);
@@ -342,9 +368,9 @@ void VolumeSimplifier::shift_patches(const std::vector<Candidate>& candidates) {
 
 /// Collapses over the whole table until a limit. Returns how many.
 std::size_t VolumeSimplifier::collapse_in_order(std::vector<Candidate>& candidates, float limit,
-                                                const Limits& limits) {
+                                                const Limits& limits, double least_cosine) {
   std::sort(candidates.begin(), candidates.end());
-  Workbench bench(table_, channels_, options_.placement);
+  Workbench bench(table_, channels_, options_, least_cosine);
   std::size_t done = 0;
   for (const Candidate candidate : candidates) {
     if (reached(limits)) break;
@@ -390,7 +416,7 @@ bool VolumeSimplifier::attempt_join(const PointPair& pair, float limit, double e
 /// Joins points of different parts up to a cost. Returns how many pairs.
 std::size_t VolumeSimplifier::join(float limit, const Limits& limits) {
   if (table_.joins.empty()) return 0;
-  Workbench bench(table_, channels_, options_.placement);
+  Workbench bench(table_, channels_, options_);
   std::size_t done = 0;
   for (const PointPair& pair : table_.joins) {
     if (reached(limits)) break;
@@ -425,7 +451,9 @@ std::vector<Candidate> VolumeSimplifier::take_all_below(float limit) {
 std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   ++counts_.passes;
   start_pass();
-  each_patch(patches_, [&](const Patch& patch) { ranker_.prepare(patch.first, patch.last); });
+  if (options_.cost == CostPolicy::volume) {
+    each_patch(patches_, [&](const Patch& patch) { ranker_.prepare(patch.first, patch.last); });
+  }
   each_patch(patches_, [&](Patch& patch) { rank(patch); });
   CostHistogram histogram;
   std::size_t n_candidates = 0;
@@ -444,8 +472,10 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
   const std::size_t tolerated = std::exchange(refused_, 0);
   const std::size_t collapses_before = counts_.collapses;
   std::size_t done = 0, goal = 1 + tolerated;
+  const bool is_far = static_cast<double>(left) > k_far_share * points;
+  const double reach = is_far && !(table_.has_polygons && options_.keep_polygons) ? k_pass_reach : 1.0;
   if (static_cast<double>(left) > k_last_share * points) {
-    goal += std::min(static_cast<std::size_t>(k_pass_reach * static_cast<double>(left)),
+    goal += std::min(static_cast<std::size_t>(reach * static_cast<double>(left)),
                      static_cast<std::size_t>(k_pass_share * points));
     const float limit = histogram.limit(goal, false);
     join(limit, limits);
@@ -469,6 +499,10 @@ std::size_t VolumeSimplifier::pass(const Limits& limits, Progress* progress) {
     done = collapse_in_order(all, limit, limits);
   }
   if (done == 0) done = join(k_any_cost, limits);
+  if (done == 0) {
+    std::vector<Candidate> all = take_all_below(k_any_cost);
+    done = collapse_in_order(all, k_any_cost, limits, k_last_normal_cosine);
+  }
   return done;
 }
 

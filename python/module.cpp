@@ -112,9 +112,11 @@ SimplifyTarget read_target(const py::dict& from) {
 SimplifyOptions read_options(const py::dict& from) {
   SimplifyOptions options;
   options.target = read_target(from);
-  read_choice<CostPolicy>(
-      from, "cost", {{"volume", CostPolicy::volume}, {"normal_deviation", CostPolicy::normal_deviation}},
-      options.cost);
+  read_choice<CostPolicy>(from, "cost",
+                          {{"volume", CostPolicy::volume},
+                           {"normal_deviation", CostPolicy::normal_deviation},
+                           {"texture_deviation", CostPolicy::texture_deviation}},
+                          options.cost);
   read_choice<VertexPlacement>(from, "placement",
                                {{"automatic", VertexPlacement::automatic},
                                 {"half_edge", VertexPlacement::half_edge},

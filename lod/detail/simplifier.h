@@ -77,6 +77,7 @@ class Simplifier {
   std::size_t start_faces_ = 0, start_points_ = 0;
 };
 
+/// For `volume` and `texture_deviation`.
 std::unique_ptr<Simplifier> make_volume_simplifier(CornerTable table, const SimplifyOptions& options);
 std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table,
                                                              const SimplifyOptions& options);

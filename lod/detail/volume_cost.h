@@ -13,6 +13,7 @@
 #pragma once
 
 #include <recede/lod/detail/attribute_cost.h>
+#include <recede/lod/detail/texture_deviation.h>
 
 namespace recede::detail {
 
@@ -26,26 +27,33 @@ inline constexpr double k_length_weight = 1e-7;
 /// Where an edge goes and what that costs.
 struct CollapsePlan {
   Collapse collapse;  ///< `removed` is k_no_index when the edge must stay
-  double cost = 0;    ///< in the unit of `EdgeRanker::rank` with scale 1
+  double cost = 0;    ///< in the unit of `EdgeRanker::rank` with scale 1; by texture, a length
   /// Root mean square distance of the new place from the planes and lines that it replaces.
   double deviation = 0;
   bool sets_attributes = false;  ///< those that count get new values, see `CollapsePlanner::set_attributes`
+  /// Why the edge must stay, when that is neither its line nor its class.
+  std::optional<Refusal> refused{};
 };
 
 /// Evaluates edges exactly. Keeps lists between edges, so that no memory is allocated: one object per thread.
 class CollapsePlanner {
  public:
   /// `channels` are empty when no attribute counts.
-  CollapsePlanner(const CornerTable& table, const AttributeChannels& channels, VertexPlacement placement)
+  CollapsePlanner(const CornerTable& table, const AttributeChannels& channels, CostPolicy policy,
+                  VertexPlacement placement)
       : table_(table),
+        policy_(policy),
         placement_(placement),
         has_attributes_(!channels.empty()),
-        attributes_(table, channels) {}
+        attributes_(table, channels),
+        texture_(table) {}
 
   /// `rings` are those of the edge, `first` as removed.
   CollapsePlan plan(const EdgeRings& rings, Index first, Index second);
 
-  /// The same for two points that no edge connects.
+  /// The better one of the ends for the edge that was planned last.
+  CollapsePlan plan_at_an_end(Index first, Index second);
+  /// The same as `plan` for two points that no edge connects.
   CollapsePlan plan_join(const EdgeRings& rings, const EdgeFreedom& freedom, Index first, Index second);
 
   /// After the last plan was carried out: the best values of the attributes that count.
@@ -63,15 +71,18 @@ class CollapsePlanner {
   Vec3 best_place(bool keep_volume) const;
   Vec3 best_place_on_line(const Vec3& before, const Vec3& after) const;
   CollapsePlan plan_at(Index removed, Index kept, const Vec3& place, double share) const;
+  CollapsePlan plan_by_texture(const EdgeRings& rings, const EdgeFreedom& freedom, Index first, Index second);
   CollapsePlan plan_at_ends(const EdgeFreedom& freedom, Index first, Index second);
   bool is_near(const Vec3& place, const EdgeRings& rings) const;
   bool is_free(const CollapsePlan& plan) const;
 
   const CornerTable& table_;
+  CostPolicy policy_;
   VertexPlacement placement_;
   Vec3 center_ = Vec3::Zero();
   bool has_attributes_;
   AttributeCost attributes_;
+  TextureDeviation texture_;
   QuadraticForm shape_, cost_;  // what is swept; and with attributes
   // The volume stays where volume_normal.x = volume.
   Vec3 volume_normal_ = Vec3::Zero();

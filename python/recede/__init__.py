@@ -90,7 +90,7 @@ def simplify(mesh: Mesh, *, faces: int | None = None, vertices: int | None = Non
     The result has the mesh, `error_bound` (the certified two-sided distance, a bound and no estimate),
     `error_estimate`, `stop_reason`, counts, and `refused`: how many collapses were refused, by reason.
 
-    Options: `cost` ("volume", or "normal_deviation"), `placement` ("automatic", "half_edge", "midpoint",
+    Options: `cost` ("volume", "normal_deviation", or "texture_deviation"), `placement` ("automatic", "half_edge", "midpoint",
     "optimal"), `prove_error` (True; False: errors are estimated only, and faster), `feature_angle` (degrees: keep
     edges sharper than this; 0: none), `lock_borders` (False), `keep_uv_seams`, `keep_normal_seams`,
     `keep_polygons` (True); how much attributes count, as shares of the longest side that a change by one is worth:
