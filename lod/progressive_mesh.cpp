@@ -165,7 +165,7 @@ PolygonSoup ProgressiveCursor::soup() const {
   for (Index f = 0; f < mesh_->n_faces(); ++f) {
     if (is_face_alive(f)) write_face(f, number, soup);
   }
-  if (is_input) {
+  if (is_input && !mesh_->feature_edges.empty()) {
     soup.feature_edges = mesh_->feature_edges;
   } else {
     std::sort(soup.feature_edges.begin(), soup.feature_edges.end());

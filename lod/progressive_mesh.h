@@ -129,7 +129,8 @@ struct ProgressiveMesh {
   std::vector<double> level_errors;
   bool errors_are_proved = false;
 
-  std::vector<std::pair<Index, Index>> feature_edges;  ///< of the input
+  /// Of the input, in its order; empty: those that `corner_features` give.
+  std::vector<std::pair<Index, Index>> feature_edges;
 
   /// Counts and seconds of the simplification to the base; `proof_seconds` are those of all errors together.
   SimplifyReport report;

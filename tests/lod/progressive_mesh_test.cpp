@@ -2,6 +2,7 @@
 #include "hard_cases.h"
 #include "input_errors.h"
 #include "meshes.h"
+#include "progressive.h"
 #include "soups.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
@@ -11,54 +12,18 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include <cstring>
 #include <filesystem>
 #include <random>
 
 namespace recede {
 namespace {
 
-template <typename List>
-bool same_bytes(const List& a, const List& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
-}
+using test::all_ways;
+using test::expect_same_bits;
+using test::options_for;
 
-/// All lists bit by bit, the signs of zeros too.
-void expect_same_bits(const PolygonSoup& a, const PolygonSoup& b) {
-  EXPECT_TRUE(same_bytes(a.positions, b.positions));
-  EXPECT_TRUE(same_bytes(a.corner_uvs, b.corner_uvs));
-  EXPECT_TRUE(same_bytes(a.corner_normals, b.corner_normals));
-  EXPECT_TRUE(same_bytes(a.vertex_colors, b.vertex_colors));
-  EXPECT_TRUE(a.face_offsets == b.face_offsets);
-  EXPECT_TRUE(a.corner_vertices == b.corner_vertices);
-  EXPECT_TRUE(a.face_materials == b.face_materials);
-  EXPECT_TRUE(a.feature_edges == b.feature_edges);
-  EXPECT_TRUE(a.materials == b.materials);
-  ASSERT_EQ(a.vertex_scalars.size(), b.vertex_scalars.size());
-  for (std::size_t i = 0; i < a.vertex_scalars.size(); ++i) {
-    EXPECT_EQ(a.vertex_scalars[i].name, b.vertex_scalars[i].name);
-    EXPECT_TRUE(same_bytes(a.vertex_scalars[i].values, b.vertex_scalars[i].values));
-  }
-}
-
-ProgressiveOptions options_for(CostPolicy cost, VertexPlacement placement, bool prove = false) {
-  ProgressiveOptions options;
-  options.simplify.cost = cost;
-  options.simplify.placement = placement;
-  options.simplify.prove_error = prove;
-  options.measured_levels = 6;
-  return options;
-}
-
-std::vector<ProgressiveOptions> all_ways() {
-  using enum VertexPlacement;
-  return {options_for(CostPolicy::volume, half_edge), options_for(CostPolicy::volume, midpoint),
-          options_for(CostPolicy::volume, optimal), options_for(CostPolicy::normal_deviation, half_edge),
-          options_for(CostPolicy::normal_deviation, midpoint)};
-}
-
-/// Walks up and down at random: every level is the same whenever it is met, has as many faces as it says, and the
-/// last is the input.
+/// Walks up and down at random: every level is the same whenever it is met, has as many faces as it says, and
+/// the last is the input.
 void expect_consistent(const PolygonSoup& input, const ProgressiveMesh& mesh, unsigned seed) {
   ProgressiveCursor cursor(mesh);
   std::mt19937 random(seed);
@@ -119,14 +84,7 @@ TEST_P(ProgressiveHardCases, RestoreTheInput) {
   }
 }
 
-std::string case_name(const testing::TestParamInfo<test::HardCase>& info) {
-  std::string name = info.param.name;
-  for (char& c : name) {
-    if (!isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
-}
-INSTANTIATE_TEST_SUITE_P(All, ProgressiveHardCases, testing::ValuesIn(test::hard_cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(All, ProgressiveHardCases, testing::ValuesIn(test::hard_cases()), test::case_name);
 
 }  // namespace
 }  // namespace recede
