@@ -22,10 +22,11 @@ struct PmeshOptions {
   /// back the very same lists. Off: the same polygons in another order. On in any case where the input had to
   /// be mended (see `ProgressiveMesh::mending`) and nothing is quantised.
   bool keep_numbering = false;
-  /// Keep the order of splits, and with it every level and its error. Off: splits are put into another order
-  /// within each batch, which saves some bits for each; levels at the ends of batches stay the same, those
-  /// inside get the error of the batch's coarse end, and errors count as estimates.
-  bool keep_order = true;
+  /// Keep the order of splits, and with it every level and its error. Unset: unless positions are quantised.
+  /// Off: splits are put into another order within each batch, which saves some 15 bits for each; levels at
+  /// the ends of batches stay the same, those inside get the error of the batch's coarse end, and errors
+  /// count as estimates. Kept in any case where splits move vertices (another placement than `half_edge`).
+  std::optional<bool> keep_order{};
 };
 
 /// What a file's bytes are spent on.

@@ -16,10 +16,14 @@ enum Moved : std::uint8_t { k_position_moves = 1, k_color_moves = 2, k_scalars_m
 constexpr std::size_t k_most_candidates = 32;
 constexpr std::uint8_t k_named = 255;  // a wedge by its number
 
-float rounded_up(double value) {
-  const auto result = static_cast<float>(value);
-  return static_cast<double>(result) < value ? std::nextafter(result, std::numeric_limits<float>::infinity())
-                                             : result;
+/// Errors are held as floats of which the last bits are zero, and never below what they are.
+constexpr std::uint32_t k_error_bits = 0xfff;
+
+std::uint32_t error_bits(double error) {
+  auto result = static_cast<float>(error);
+  if (static_cast<double>(result) < error)
+    result = std::nextafter(result, std::numeric_limits<float>::infinity());
+  return (std::bit_cast<std::uint32_t>(result) + k_error_bits) & ~k_error_bits;
 }
 
 }  // namespace
@@ -288,9 +292,9 @@ void PmeshCodec<writes>::code_base(ByteStreams& streams) {
   code_faces(faces);
   code_features(k_no_index, false);
   std::uint64_t error = 0;
-  if constexpr (writes)
-    error = std::bit_cast<std::uint32_t>(rounded_up(mesh_->level_errors[0] + header_.quantisation_error));
+  if constexpr (writes) error = error_bits(mesh_->level_errors[0] + header_.quantisation_error);
   planes(ByteKind::errors, error, 4);
+  require((error & k_error_bits) == 0, "an error has too many digits");
   if constexpr (!writes) {
     read_.level_faces.push_back(static_cast<Index>(table_.n_faces()));
     read_.level_errors.push_back(
@@ -720,7 +724,7 @@ void PmeshCodec<writes>::code_errors(const std::vector<Index>& splits) {
   // Errors fall, and the bits of positive floats fall with them.
   const std::size_t n_errors = header_.keeps_order ? splits.size() : std::min<std::size_t>(splits.size(), 1);
   const auto bits_of_level = [&](std::size_t level) {
-    return std::bit_cast<std::uint32_t>(rounded_up(mesh_->level_errors[level] + header_.quantisation_error));
+    return error_bits(mesh_->level_errors[level] + header_.quantisation_error);
   };
   std::uint32_t before = 0;
   if constexpr (writes) {
@@ -737,11 +741,11 @@ void PmeshCodec<writes>::code_errors(const std::vector<Index>& splits) {
       const std::size_t level = header_.keeps_order
                                     ? splits[i] + std::size_t{1}
                                     : *std::max_element(splits.begin(), splits.end()) + std::size_t{1};
-      fall = before - bits_of_level(level);
+      fall = (before - bits_of_level(level)) / (k_error_bits + 1);
     }
     planes(ByteKind::errors, fall, 4);
-    require(fall <= before, "an error grows towards the input");
-    before -= static_cast<std::uint32_t>(fall);
+    require(fall <= before / (k_error_bits + 1), "an error grows towards the input");
+    before -= static_cast<std::uint32_t>(fall) * (k_error_bits + 1);
     if constexpr (!writes) read_.level_errors.push_back(static_cast<double>(std::bit_cast<float>(before)));
   }
 }

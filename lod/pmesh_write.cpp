@@ -119,7 +119,7 @@ PmeshHeader make_header(const ProgressiveMesh& mesh, const PmeshOptions& options
   // Where vertices move, what a split depends on isn't in its record alone.
   const bool moves = !mesh.position_changes.empty() || !mesh.color_changes.empty() ||
                      !mesh.scalar_changes.empty() || !mesh.wedge_changes.entries.empty();
-  header.keeps_order = options.keep_order || moves;
+  header.keeps_order = options.keep_order.value_or(!options.position_bits) || moves;
   header.quantisation_error = largest_move(mesh, header.positions);
   // The triangles that stand for a larger polygon may be others when its corners have moved.
   const bool may_turn = header.quantisation_error > 0 && !mesh.corner_alive.empty();

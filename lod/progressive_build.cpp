@@ -55,7 +55,9 @@ class ReverseRows {
 class ProgressiveBuilder {
  public:
   ProgressiveBuilder(const PolygonSoup& input, const ProgressiveOptions& options)
-      : options_(options), source_(input, mesh_) {}
+      : options_(options.simplify), source_(input, mesh_) {
+    if (options_.placement == VertexPlacement::automatic) options_.placement = VertexPlacement::half_edge;
+  }
 
   void run(Progress* progress);
   void record();
@@ -76,7 +78,7 @@ class ProgressiveBuilder {
   void finish();
   Vec3 object_position(Index vertex, const Vec3& position) const;
 
-  const ProgressiveOptions& options_;
+  SimplifyOptions options_;
   ProgressiveMesh mesh_;  // carries the level of the collapses recorded so far
   ProgressiveSource source_;
   std::unique_ptr<detail::Simplifier> simplifier_;
@@ -93,9 +95,8 @@ class ProgressiveBuilder {
 };
 
 void ProgressiveBuilder::run(Progress* progress) {
-  const SimplifyOptions& options = options_.simplify;
   CornerTable table = detail::build_corner_table(
-      source_.soup(), {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
+      source_.soup(), {options_.keep_uv_seams, options_.keep_normal_seams, options_.lock_borders});
   source_.match(table, mesh_);
   table.source_corner.resize(table.n_corners());
   std::iota(table.source_corner.begin(), table.source_corner.end(), Index{0});
@@ -107,8 +108,8 @@ void ProgressiveBuilder::run(Progress* progress) {
   report.faces_before = table.n_alive_faces;
   report.vertices_before = table.n_alive_points;
   const detail::Limits limits =
-      detail::to_limits(options.target, table.n_alive_faces, detail::diagonal_of(table), table.scale);
-  simplifier_ = detail::make_simplifier(std::move(table), options);
+      detail::to_limits(options_.target, table.n_alive_faces, detail::diagonal_of(table), table.scale);
+  simplifier_ = detail::make_simplifier(std::move(table), options_);
   report.reason = simplifier_->run(limits, progress);
   fill_report(*simplifier_, report);
 }

@@ -24,12 +24,9 @@ namespace recede {
 
 struct ProgressiveOptions {
   /// How the base is made. `target` is that of the base; its error targets are compared with the estimate.
-  /// `prove_error` off: the errors of the levels are estimates.
-  SimplifyOptions simplify = [] {
-    SimplifyOptions options;
-    options.placement = VertexPlacement::half_edge;
-    return options;
-  }();
+  /// The placement `automatic` is `half_edge`: every level then has vertices of the input, and files are
+  /// smallest. `prove_error` off: the errors of the levels are estimates.
+  SimplifyOptions simplify;
   /// With proofs: how many levels are measured against the input. Between them, what single splits may do is
   /// summed up. More make the errors of levels tighter, and take longer.
   std::size_t measured_levels = 40;
