@@ -170,10 +170,6 @@ void add_progressive_command(CLI::App& app) {
                     "also write how the input numbers vertices and faces");
   command->add_flag("--keep-order", options->keep_order,
                     "keep the order of splits, and every level's error, with --bits as well");
-  command
-      ->add_option("--measured-levels", options->progressive.measured_levels,
-                   "levels that are measured against the input (40)")
-      ->check(CLI::PositiveNumber);
   command->add_flag("--no-measure", options->no_measure, "prove no errors; levels carry estimates");
   add_simplify_options(*command, options->progressive.simplify, options->feature_angle);
   add_common_options(*command, options->common);

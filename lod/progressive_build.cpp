@@ -171,12 +171,24 @@ void ProgressiveBuilder::record_collapse(const CollapseLog::Entry& entry) {
   const bool moves = record_vertex(entry);
   if (!mesh_.corner_wedges.empty()) record_wedges(entry);
   if (!mesh_.corner_features.empty()) record_features(entry);
-  for (const Index c : entry.given) touched_.add(source_.face_of_corner(source_.corner(c)));
-  for (const Index f : entry.faces) touched_.add(source_.face(f));
-  for (const Index c : entry.cut) touched_.add(source_.face_of_corner(source_.corner(c)));
-  if (moves) {
-    for (const Index f : entry.around) touched_.add(source_.face(f));
-  }
+  const auto touch_corners = [&](std::span<const Index> corners) {
+    for (const Index c : corners) {
+      touched_.add(source_.face_of_corner(source_.corner(c)));
+      if (source_.has_twins() && source_.twin_corner(c) != k_no_index) {
+        touched_.add(source_.face_of_corner(source_.twin_corner(c)));
+      }
+    }
+  };
+  const auto touch_faces = [&](std::span<const Index> faces) {
+    for (const Index f : faces) {
+      touched_.add(source_.face(f));
+      if (source_.has_twins() && source_.twin_face(f) != k_no_index) touched_.add(source_.twin_face(f));
+    }
+  };
+  touch_corners(entry.given);
+  touch_faces(entry.faces);
+  touch_corners(entry.cut);
+  if (moves) touch_faces(entry.around);
   touched_.close_row();
   mesh_.level_faces.push_back(mesh_.level_faces.back() - mesh_.splits.back().n_faces);
 }
@@ -328,7 +340,7 @@ ProgressiveMesh build_progressive_mesh(const PolygonSoup& soup, const Progressiv
   mesh.report.seconds = seconds;
   if (!options.simplify.prove_error) return mesh;
   const auto proof_start = Clock::now();
-  detail::prove_level_errors(mesh, soup, touched, options.measured_levels, progress);
+  detail::prove_level_errors(mesh, soup, touched, progress);
   mesh.report.proof_seconds = seconds_since(proof_start);
   return mesh;
 }

@@ -27,9 +27,6 @@ struct ProgressiveOptions {
   /// The placement `automatic` is `half_edge`: every level then has vertices of the input, and files are
   /// smallest. `prove_error` off: the errors of the levels are estimates.
   SimplifyOptions simplify;
-  /// With proofs: how many levels are measured against the input. Between them, what single splits may do is
-  /// summed up. More make the errors of levels tighter, and take longer.
-  std::size_t measured_levels = 40;
 };
 
 /// What bringing one vertex back does. Its entries in `ProgressiveMesh::items`, from `first` up to that of

@@ -20,9 +20,8 @@ Progressive make_progressive(ProgressiveMesh mesh) {
   return {std::make_shared<const ProgressiveMesh>(std::move(mesh))};
 }
 
-Progressive build(const Mesh& mesh, const py::dict& settings, double feature_angle,
-                  std::size_t measured_levels, py::object progress) {
-  const ProgressiveOptions options{read_options(settings), measured_levels};
+Progressive build(const Mesh& mesh, const py::dict& settings, double feature_angle, py::object progress) {
+  const ProgressiveOptions options{read_options(settings)};
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     if (feature_angle == 0) return make_progressive(build_progressive_mesh(*mesh.soup, options, p));
     PolygonMesh marked = repair_to_polygon_mesh(*mesh.soup).mesh;

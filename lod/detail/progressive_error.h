@@ -5,14 +5,19 @@
 
 namespace recede::detail {
 
-/// Sets `level_errors` to certified bounds. Some levels are measured against the input. Between two of them
-/// every split has a proved bound of the distance between the polygons that it touches before and after
-/// (`touched`, by split); these add up where splits follow each other, and the largest sum, on top of the
-/// nearer measured level, bounds the level's error by the triangle inequality. A split depends only on those
-/// that touched its polygons, so a level gets the smaller of the sums from the finer and from the coarser
-/// side, and of the sum from the input on. In the end a running maximum toward the base makes errors
-/// monotone.
+/// Sets `level_errors` to certified bounds of the two-sided distance between each level and the input.
+///
+/// From the level to the input: all faces that a split has on its coarse side are measured against the finest
+/// level. A level consists of such faces and of faces of the finest level, so its largest is among those of
+/// the splits that it lacks.
+///
+/// From the input to the level: each triangle of the finest level carries the faces of the present level that
+/// its bound needs. When a split that is taken back touches one of them, the triangle gets a new bound from
+/// the faces that came and from the others that it needed. So it is always near faces that are there.
+///
+/// The larger of both, as a running maximum toward the base, is the error; mending adds what it is off by.
+/// `touched` names for each split the faces whose polygons it changes.
 void prove_level_errors(ProgressiveMesh& mesh, const PolygonSoup& input, const SplitRows<Index>& touched,
-                        std::size_t measured_levels, Progress* progress);
+                        Progress* progress);
 
 }  // namespace recede::detail

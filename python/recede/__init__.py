@@ -212,16 +212,15 @@ class ProgressiveMesh:
 
 
 def build_progressive(mesh: Mesh, *, faces: int | None = None, vertices: int | None = None, ratio: float | None = None,
-                      measured_levels: int = 40, progress: Progress | None = None, **options: Any) -> ProgressiveMesh:
+                      progress: Progress | None = None, **options: Any) -> ProgressiveMesh:
     """All levels of a mesh between a base and itself.
 
-    `faces`, `vertices` and `ratio` say how small the base is (as small as can be when none is given), `measured_levels`
-    how many levels are measured to prove errors; options are those of `simplify`, where the placement "automatic" is
-    "half_edge" and `prove_error=False` leaves estimates.
+    `faces`, `vertices` and `ratio` say how small the base is (as small as can be when none is given). Options are those
+    of `simplify`, where the placement "automatic" is "half_edge" and `prove_error=False` leaves estimates.
     """
     settings, feature_angle = _simplify_options(options)
     target = {"faces": faces, "vertices": vertices, "ratio": ratio}
-    compiled = _recede.build_progressive(mesh, {**settings, **target}, feature_angle, measured_levels, progress)
+    compiled = _recede.build_progressive(mesh, {**settings, **target}, feature_angle, progress)
     return ProgressiveMesh(compiled)
 
 

@@ -182,6 +182,18 @@ TEST(ProgressiveMesh, CornersComeBackBetweenTheNeighboursThatTheyHad) {
   EXPECT_GT(seen, 20u);
 }
 
+/// The triangles that stand for the polygons: cut once, before measuring moves them into a frame of its own
+/// where equally good diagonals may trade places.
+PolygonSoup cut_into_triangles(const PolygonSoup& soup) {
+  PolygonSoup triangles;
+  triangles.positions = soup.positions;
+  triangles.corner_vertices = triangulate(soup);
+  for (std::size_t c = 3; c <= triangles.n_corners(); c += 3) {
+    triangles.face_offsets.push_back(static_cast<Index>(c));
+  }
+  return triangles;
+}
+
 void expect_errors_hold(const PolygonSoup& soup, ProgressiveOptions options) {
   options.simplify.prove_error = true;
   const ProgressiveMesh mesh = build_progressive_mesh(soup, options);
@@ -189,24 +201,25 @@ void expect_errors_hold(const PolygonSoup& soup, ProgressiveOptions options) {
   EXPECT_TRUE(std::is_sorted(mesh.level_errors.rbegin(), mesh.level_errors.rend()));
   EXPECT_EQ(mesh.level_errors.back(), 0);
   ProgressiveCursor cursor(mesh);
-  for (std::size_t i = 0; i <= 16; ++i) {
-    cursor.move_to(i * mesh.n_splits() / 16);
-    const MeshDistance d =
-        measure_distance(soup, cursor.soup(), {.samples = 20'000, .bound_tolerance = 0.05});
-    EXPECT_GE(cursor.error() * (1 + 1e-9) + 1e-12 * d.diagonal, d.max_lower) << "level " << cursor.level();
+  for (std::size_t i = 0; i <= 8; ++i) {
+    cursor.move_to(i * mesh.n_splits() / 8);
+    const MeshDistance d = measure_distance(cut_into_triangles(soup), cut_into_triangles(cursor.soup()),
+                                            {.samples = 20'000, .bound_tolerance = 0.05});
+    EXPECT_GE(cursor.error() * (1 + 1e-9) + 1e-12 * d.diagonal, d.max_lower)
+        << "level " << cursor.level() << " of " << soup.n_faces() << " faces, "
+        << static_cast<int>(options.simplify.cost) << static_cast<int>(options.simplify.placement);
   }
 }
 
 TEST(ProgressiveMesh, NoLevelIsFartherFromTheInputThanItSays) {
   for (const PolygonSoup& soup :
-       {make_displaced_sphere(1500, true), make_displaced_sphere(1500, false), test::hexagon_sheet(10),
-        test::collapsed_grid(15), test::wound_wrong(test::grid(10), 3), test::book_of_sheets(3, 8),
+       {make_displaced_sphere(800, true), make_displaced_sphere(800, false), test::hexagon_sheet(10),
+        test::collapsed_grid(10), test::wound_wrong(test::grid(10), 3), test::book_of_sheets(3, 8),
         test::double_sided_sheet(8)}) {
     for (const ProgressiveOptions& options : all_ways()) expect_errors_hold(soup, options);
   }
   ProgressiveOptions dropping;
   dropping.simplify.drop_parts = true;
-  dropping.measured_levels = 5;
   expect_errors_hold(test::loose_cubes(40), dropping);
 }
 
@@ -247,7 +260,7 @@ class ProgressiveModels : public testing::TestWithParam<test::DifferentModel> {
 TEST_P(ProgressiveModels, AreRestoredAndGiveTheSameBytesFromOneAndFromTwoThreads) {
   for (const CostPolicy cost : {CostPolicy::volume, CostPolicy::normal_deviation}) {
     if (cost == CostPolicy::normal_deviation && !GetParam().small) continue;
-    ProgressiveOptions options = options_for(cost, VertexPlacement::automatic, GetParam().small);
+    ProgressiveOptions options = options_for(cost, VertexPlacement::automatic, soup_.n_faces() < 17'000);
     options.simplify.target.ratio = 0.05;
     std::array<std::string, 2> bytes;
     for (const std::size_t threads : {1u, 2u}) {

@@ -244,7 +244,7 @@ def test_every_function_says_what_it_does():
 
 
 def test_a_progressive_mesh_gives_levels_and_the_input_back(sphere, tmp_path):
-    progressive = recede.build_progressive(sphere, ratio=0.05, measured_levels=4)
+    progressive = recede.build_progressive(sphere, ratio=0.05)
     assert progressive.errors_are_proved
     assert progressive.level_faces[-1] == sphere.n_faces and progressive.level_errors[-1] == 0
     small = progressive.level(faces=1000)

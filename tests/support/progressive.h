@@ -42,7 +42,6 @@ inline ProgressiveOptions options_for(CostPolicy cost, VertexPlacement placement
   options.simplify.cost = cost;
   options.simplify.placement = placement;
   options.simplify.prove_error = prove;
-  options.measured_levels = 6;
   return options;
 }
 

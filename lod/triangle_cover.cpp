@@ -2,7 +2,7 @@
 // distance to one triangle is convex, so over a piece it is largest at the piece's corners, and the distance
 // to the patch is at most the least of these. Pieces for which that isn't good enough are cut along the prism
 // over the triangle nearest to their middle, else into four.
-#include <recede/lod/detail/patch_distance.h>
+#include <recede/lod/detail/triangle_cover.h>
 
 #include <algorithm>
 #include <array>
@@ -22,52 +22,57 @@ double squared_distance(const Vec3& p, const Triangle& triangle) {
 
 }  // namespace
 
-double PatchDistance::bound(std::span<const Triangle> a, std::span<const Triangle> b, double floor) {
-  if (a.empty() || b.empty()) return a.size() == b.size() ? 0 : std::numeric_limits<double>::infinity();
+double TriangleCover::bound(const Triangle& triangle, std::span<const FaceTriangle> targets, double enough) {
   lower_ = upper_ = 0;
-  floor_ = floor;
-  raise(a, b);
-  raise(b, a);
+  enough_ = enough;
+  steps_ = 0;
+  used_.clear();
+  pieces_.assign(1, {triangle, 0});
+  // First come, first served: if the steps run out, what is left is small.
+  for (std::size_t next = 0; next < pieces_.size(); ++next) settle(Piece(pieces_[next]), targets);
   return upper_;
 }
 
-void PatchDistance::raise(std::span<const Triangle> from, std::span<const Triangle> to) {
-  steps_ = 0;
-  pieces_.clear();
-  for (const Triangle& triangle : from) pieces_.push_back({triangle, 0});
-  // First come, first served: if the steps run out, what is left is small.
-  for (std::size_t next = 0; next < pieces_.size(); ++next) settle(Piece(pieces_[next]), to);
+void TriangleCover::accept(double bound, Index face) {
+  upper_ = std::max(upper_, bound);
+  if (std::find(used_.begin(), used_.end(), face) == used_.end()) used_.push_back(face);
 }
 
-void PatchDistance::settle(const Piece& piece, std::span<const Triangle> to) {
+void TriangleCover::settle(const Piece& piece, std::span<const FaceTriangle> targets) {
   const Triangle& t = piece.corners;
   const Vec3 middle = (t.a + t.b + t.c) / 3;
-  double bound = std::numeric_limits<double>::infinity(), at_middle = bound;
-  std::array<double, 3> at_corners{bound, bound, bound};
-  const Triangle* nearest = nullptr;
-  for (const Triangle& target : to) {
-    const std::array<double, 3> here{squared_distance(t.a, target), squared_distance(t.b, target),
-                                     squared_distance(t.c, target)};
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  double bound = k_infinity, at_middle = k_infinity;
+  std::array<double, 3> at_corners{k_infinity, k_infinity, k_infinity};
+  const FaceTriangle *best = nullptr, *nearest = nullptr;
+  for (const FaceTriangle& target : targets) {
+    const std::array<double, 3> here{squared_distance(t.a, target.corners),
+                                     squared_distance(t.b, target.corners),
+                                     squared_distance(t.c, target.corners)};
+    const double largest = std::max({here[0], here[1], here[2]});
+    if (largest < bound || best == nullptr) {
+      bound = largest;
+      best = &target;
+      if (largest <= enough_ * enough_) return accept(std::sqrt(largest), target.face);
+    }
     for (std::size_t i = 0; i < 3; ++i) at_corners[i] = std::min(at_corners[i], here[i]);
-    bound = std::min(bound, std::max({here[0], here[1], here[2]}));
-    const double there = squared_distance(middle, target);
-    if (there >= at_middle) continue;
-    at_middle = there;
-    nearest = &target;
+    const double there = squared_distance(middle, target.corners);
+    if (there < at_middle || nearest == nullptr) {
+      at_middle = there;
+      nearest = &target;
+    }
   }
   bound = std::sqrt(bound);
-  if (bound <= upper_) return;
+  if (bound <= std::max(enough_, upper_)) return accept(bound, best->face);
   lower_ = std::max(lower_, std::sqrt(std::max({at_middle, at_corners[0], at_corners[1], at_corners[2]})));
-  const bool is_good = bound <= std::max((1 + k_tolerance) * lower_, floor_);
-  if (is_good || ++steps_ > k_most_steps || piece.depth >= k_most_depth || nearest == nullptr) {
-    upper_ = std::max(upper_, bound);
-    return;
+  if (bound <= (1 + k_tolerance) * lower_ || ++steps_ > k_most_steps || piece.depth >= k_most_depth) {
+    return accept(bound, best->face);
   }
-  if (!cut_along_prism(piece, *nearest)) cut_in_four(piece);
+  if (!cut_along_prism(piece, nearest->corners)) cut_in_four(piece);
 }
 
 /// Cuts by the plane through that side of the target, upright on it, beyond which a corner lies farthest.
-bool PatchDistance::cut_along_prism(const Piece& piece, const Triangle& target) {
+bool TriangleCover::cut_along_prism(const Piece& piece, const Triangle& target) {
   const std::array<Vec3, 3> ends{target.a, target.b, target.c};
   const std::array<Vec3, 3> corners{piece.corners.a, piece.corners.b, piece.corners.c};
   const Vec3 normal = (target.b - target.a).cross(target.c - target.a);
@@ -103,7 +108,7 @@ bool PatchDistance::cut_along_prism(const Piece& piece, const Triangle& target) 
   return true;
 }
 
-void PatchDistance::cut_in_four(const Piece& piece) {
+void TriangleCover::cut_in_four(const Piece& piece) {
   const Triangle& t = piece.corners;
   const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);
   const int depth = piece.depth + 1;
