@@ -59,5 +59,7 @@ void add_bake_command(CLI::App& app);
 void add_simplify_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_info_command(CLI::App& app);
+void add_progressive_command(CLI::App& app);
+void add_extract_command(CLI::App& app);
 
 }  // namespace recede::cli

@@ -8,6 +8,7 @@ find_package(FastFloat REQUIRED CONFIG)
 find_package(nlohmann_json REQUIRED CONFIG)
 find_package(embree 3.13 REQUIRED)
 find_package(PNG REQUIRED)
+find_package(zstd REQUIRED CONFIG)
 find_package(CLI11 REQUIRED CONFIG)
 if(RECEDE_PYTHON)
   # The system's Python, for which Debian's packages are; others on the path have neither numpy nor pytest.

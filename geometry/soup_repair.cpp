@@ -1,6 +1,7 @@
 // The named repair steps. Each works on the whole soup, keeps attribute lists in step and reports what it
 // changed.
 #include <recede/geometry/detail/edge_table.h>
+#include <recede/geometry/detail/same_positions.h>
 #include <recede/geometry/polygon_soup.h>
 
 #include <fmt/format.h>
@@ -56,9 +57,9 @@ std::uint64_t hash_position(const Vec3& p) {
   return hash;
 }
 
-/// For each vertex the lowest vertex at the same position. Open addressing over a flat table: no allocation
-/// per vertex.
-std::vector<Index> lowest_at_same_position(const std::vector<Vec3>& positions) {
+}  // namespace
+
+std::vector<Index> detail::lowest_at_same_position(const std::vector<Vec3>& positions) {
   const std::size_t capacity = std::bit_ceil(2 * positions.size() + 1);
   std::vector<Index> slots(capacity, k_no_index);
   std::vector<Index> lowest(positions.size());
@@ -71,6 +72,10 @@ std::vector<Index> lowest_at_same_position(const std::vector<Vec3>& positions) {
   }
   return lowest;
 }
+
+namespace {
+
+using detail::lowest_at_same_position;
 
 /// Renumbers vertices: `kept[v]` says whether v stays, `target[v]` which kept vertex stands for v.
 void renumber_vertices(PolygonSoup& soup, const std::vector<Index>& target, const std::vector<bool>& kept) {

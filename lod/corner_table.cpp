@@ -235,6 +235,7 @@ void pack_faces(CornerTable& table) {
   keep(table.source_face, face_stays);
   if (!table.wedge.empty()) keep(table.wedge, corner_stays);
   if (!table.feature.empty()) keep(table.feature, corner_stays);
+  if (!table.source_corner.empty()) keep(table.source_corner, corner_stays);
   if (table.has_polygons) pack_loops(table);
   keep(table.point, corner_stays);
 }

@@ -284,7 +284,9 @@ bool NormalDeviationSimplifier::commit(Index edge, const Limits& limits) {
     altered_[f] = 1;
   }
   RunCounts made;
+  if (table_.is_logged()) made.log.begin(table_, rings_, collapse, deviation);
   made.add(apply_collapse(table_, collapse));
+  if (table_.is_logged()) made.log.end(table_, collapse);
   count(made);
   table_.deviation[collapse.kept] = static_cast<float>(deviation);
   counts_.error = std::max(counts_.error, deviation);

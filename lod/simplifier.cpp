@@ -36,6 +36,7 @@ void RunCounts::add(const RunCounts& other) {
   dropped_faces += other.dropped_faces;
   error = std::max(error, other.error);
   for (std::size_t i = 0; i < refused.counts.size(); ++i) refused.counts[i] += other.refused.counts[i];
+  log.append(other.log);
 }
 
 void Simplifier::count(const RunCounts& counts) {
@@ -62,18 +63,39 @@ void Simplifier::hold(const std::vector<Vec3>& places) {
   }
 }
 
+namespace {
+
+std::vector<Index> live_source_faces(const CornerTable& table) {
+  std::vector<Index> faces;
+  for (Index f = 0; f < table.n_faces(); ++f) {
+    if (table.is_face_alive(f)) faces.push_back(table.source_face[f]);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+}  // namespace
+
 bool Simplifier::drop(double most_error, const Limits& limits) {
   if (reached(limits)) return false;
   const auto enough = [&](const DroppedParts& so_far) {
     return (limits.faces > 0 && table_.n_alive_faces - so_far.faces <= limits.faces) ||
            (limits.vertices > 0 && table_.n_alive_points - so_far.points <= limits.vertices);
   };
+  std::vector<Index> before;
+  if (table_.is_logged()) before = live_source_faces(table_);
   const DroppedParts dropped = drop_parts(table_, std::min(most_error, limits.error), enough);
   table_.n_alive_faces -= dropped.faces;
   table_.n_alive_points -= dropped.points;
   counts_.dropped_parts += dropped.parts;
   counts_.dropped_faces += dropped.faces;
   counts_.error = std::max(counts_.error, dropped.error);
+  if (table_.is_logged() && dropped.parts > 0) {
+    const std::vector<Index> after = live_source_faces(table_);
+    std::vector<Index> gone;
+    std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(gone));
+    counts_.log.add_drop(gone, dropped.error);
+  }
   return dropped.parts > 0;
 }
 

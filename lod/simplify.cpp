@@ -48,12 +48,15 @@ std::string_view to_string(Refusal refusal) {
 
 namespace {
 
-using detail::Limits;
 using Clock = std::chrono::steady_clock;
 
 void require(bool condition, const char* text) {
   if (!condition) throw OptionError(text);
 }
+
+}  // namespace
+
+namespace detail {
 
 void check(const SimplifyOptions& options) {
   require(options.normal_threshold >= -1 && options.normal_threshold <= 1,
@@ -89,7 +92,6 @@ void check(const SimplifyTarget& target) {
           "the relative error target must not be negative");
 }
 
-/// `diagonal` in table units.
 Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double diagonal, double scale) {
   Limits limits;
   if (target.faces) limits.faces = *target.faces;
@@ -104,26 +106,24 @@ Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double d
   return limits;
 }
 
-std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonSoup& soup, const SimplifyOptions& options) {
-  detail::CornerTable table = detail::build_corner_table(
-      soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
+std::unique_ptr<Simplifier> make_simplifier(CornerTable table, const SimplifyOptions& options) {
   require(options.cost != CostPolicy::texture_deviation || table.has_uvs || table.n_faces() == 0,
           "texture_deviation needs texture coordinates, and the mesh has none");
   if (options.join_distance > 0) table.joins = find_joins(table, options.join_distance / table.scale);
   return options.cost == CostPolicy::normal_deviation
-             ? detail::make_normal_deviation_simplifier(std::move(table), options)
-             : detail::make_volume_simplifier(std::move(table), options);
+             ? make_normal_deviation_simplifier(std::move(table), options)
+             : make_volume_simplifier(std::move(table), options);
 }
 
-double diagonal_of(const detail::CornerTable& table) {
+double diagonal_of(const CornerTable& table) {
   Box3 box;
   for (const Vec3& p : table.positions) box.extend(p);
   return table.positions.empty() ? 0 : box.diagonal().norm();
 }
 
-void fill_report(const detail::Simplifier& simplifier, SimplifyReport& report) {
-  const detail::CornerTable& table = simplifier.table();
-  const detail::RunCounts& counts = simplifier.counts();
+void fill_report(const Simplifier& simplifier, SimplifyReport& report) {
+  const CornerTable& table = simplifier.table();
+  const RunCounts& counts = simplifier.counts();
   report.faces_after = table.n_alive_faces;
   report.vertices_after = table.n_alive_points;
   report.collapses = counts.collapses;
@@ -138,6 +138,19 @@ void fill_report(const detail::Simplifier& simplifier, SimplifyReport& report) {
   report.refused = counts.refused;
 }
 
+}  // namespace detail
+
+namespace {
+
+using detail::Limits;
+
+std::unique_ptr<detail::Simplifier> make_simplifier(const PolygonSoup& soup, const SimplifyOptions& options) {
+  return detail::make_simplifier(
+      detail::build_corner_table(soup,
+                                 {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders}),
+      options);
+}
+
 void take(SimplifySoupResult& result, PolygonSoup soup) { result.soup = std::move(soup); }
 void take(SimplifyResult& result, PolygonSoup soup) {
   split_non_manifold(soup);
@@ -150,7 +163,7 @@ std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup
                                std::span<const SimplifyTarget> targets, Clock::time_point start,
                                Progress* progress) {
   const detail::CornerTable& table = simplifier.table();
-  const double diagonal = diagonal_of(table);
+  const double diagonal = detail::diagonal_of(table);
   const std::size_t faces_before = table.n_alive_faces, vertices_before = table.n_alive_points;
   std::optional<detail::ErrorProof> proof;
   if (prove) proof.emplace(input);
@@ -159,7 +172,7 @@ std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup
     Result& result = results.emplace_back();
     result.faces_before = faces_before;
     result.vertices_before = vertices_before;
-    const Limits limits = to_limits(target, faces_before, diagonal, table.scale);
+    const Limits limits = detail::to_limits(target, faces_before, diagonal, table.scale);
     double proved = std::numeric_limits<double>::infinity();
     if (proof && std::isfinite(limits.error)) {
       const auto run = run_to_proved_error(simplifier, limits, input.positions, *proof, progress);
@@ -168,7 +181,7 @@ std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup
     } else {
       result.reason = simplifier.run(limits, progress);
     }
-    fill_report(simplifier, result);
+    detail::fill_report(simplifier, result);
     PolygonSoup soup = to_soup(table, input.positions);
     if (proof) {
       if (const auto error = proof->prove(soup, progress)) {
@@ -184,8 +197,8 @@ std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup
 }
 
 void check(const SimplifyOptions& options, std::span<const SimplifyTarget> targets) {
-  check(options);
-  for (const SimplifyTarget& target : targets) check(target);
+  detail::check(options);
+  for (const SimplifyTarget& target : targets) detail::check(target);
 }
 
 }  // namespace

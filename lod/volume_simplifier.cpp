@@ -315,8 +315,10 @@ std::optional<Refusal> VolumeSimplifier::carry_out(const CollapsePlan& plan, Ind
     if (is_turned) std::swap(bench.rings.removed, bench.rings.kept);
     return refused;
   }
+  if (table_.is_logged()) counts.log.begin(table_, bench.rings, collapse, deviation);
   counts.add(apply_collapse(table_, collapse));
   if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
+  if (table_.is_logged()) counts.log.end(table_, collapse);
   counts.error = std::max(counts.error, deviation);
   table_.deviation[collapse.kept] = static_cast<float>(deviation);
   touched_[first] = touched_[second] = 1;
@@ -402,8 +404,10 @@ bool VolumeSimplifier::attempt_join(const PointPair& pair, float limit, double e
     ++counts.refused[*refused];
     return false;
   }
+  if (table_.is_logged()) counts.log.begin(table_, bench.rings, collapse, deviation);
   counts.add(apply_collapse(table_, collapse));
   if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
+  if (table_.is_logged()) counts.log.end(table_, collapse);
   ++counts.joined;
   counts.error = std::max(counts.error, deviation);
   table_.deviation[collapse.kept] = static_cast<float>(deviation);

@@ -1,4 +1,5 @@
 // The compiled part of the Python module: conversions, and calls without the interpreter's lock.
+#include "calls.h"
 #include "numpy_arrays.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
@@ -19,54 +20,6 @@ namespace recede::python {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A polygon soup that Python can't change: what runs without the lock may read it.
-struct Mesh {
-  std::shared_ptr<const PolygonSoup> soup;
-  std::vector<RepairStep> repairs;
-};
-
-Mesh make_mesh(PolygonSoup soup, std::vector<RepairStep> repairs = {}) {
-  return {std::make_shared<const PolygonSoup>(std::move(soup)), std::move(repairs)};
-}
-
-/// Hands progress to a Python callable, and stops when it returns False, raises, or Ctrl-C is pressed.
-class PythonProgress final : public Progress {
- public:
-  explicit PythonProgress(py::object callback) : callback_(std::move(callback)) {}
-
-  void update(std::string_view stage, double fraction) override {
-    const py::gil_scoped_acquire lock;
-    if (stopped_) return;
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (callback_.is_none()) return;
-      const py::object answer = callback_(std::string(stage), fraction);
-      stopped_ = answer.ptr() == Py_False;
-    } catch (const py::error_already_set&) {
-      stopped_ = true;
-      error_ = std::current_exception();
-    }
-  }
-  bool cancel_requested() const override { return stopped_; }
-
-  /// Runs `work` without the lock. What the callable raised goes on from here.
-  template <typename Work>
-  auto run(Work&& work) {
-    try {
-      const py::gil_scoped_release unlocked;
-      return work(this);
-    } catch (const Cancelled&) {
-      if (error_) std::rethrow_exception(error_);
-      throw;
-    }
-  }
-
- private:
-  py::object callback_;
-  bool stopped_ = false;
-  std::exception_ptr error_;
-};
 
 template <typename Value>
 void read(const py::dict& from, const char* key, Value& to) {
@@ -109,6 +62,8 @@ SimplifyTarget read_target(const py::dict& from) {
   return target;
 }
 
+}  // namespace
+
 SimplifyOptions read_options(const py::dict& from) {
   SimplifyOptions options;
   options.target = read_target(from);
@@ -139,6 +94,8 @@ SimplifyOptions read_options(const py::dict& from) {
   read(from, "seed", options.seed);
   return options;
 }
+
+namespace {
 
 /// The soup, with edges marked that are sharper than the angle (radians).
 PolygonSoup with_features(const PolygonSoup& soup, double feature_angle) {
@@ -453,6 +410,7 @@ PYBIND11_MODULE(_recede, m) {
   });
   m.def("make_displaced_sphere",
         [](std::size_t faces, bool triangles) { return make_mesh(make_displaced_sphere(faces, triangles)); });
+  bind_progressive(m);
   m.def("set_threads", &set_threads);
 }
 

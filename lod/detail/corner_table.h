@@ -62,6 +62,7 @@ struct CornerTable {
   LargeList<Index> ring;             ///< corners sorted by the point that they had at `pack`
   LargeList<Index> wedge;            ///< empty: no corner attributes
   LargeList<unsigned char> feature;  ///< empty: none; 1: the side to the next corner is a feature edge
+  LargeList<Index> source_corner;    ///< in the table as it was built; empty: collapses aren't logged
 
   // By face.
   LargeList<Index> source_face;           ///< in the input
@@ -100,6 +101,7 @@ struct CornerTable {
   Index face(Index corner) const { return has_polygons ? corner_face[corner] : corner / 3; }
   Index face_size(Index of_face) const { return has_polygons ? loop_size[of_face] : 3; }
   Index face_corner(Index of_face) const { return has_polygons ? loop_start[of_face] : 3 * of_face; }
+  bool is_logged() const { return !source_corner.empty(); }
   bool is_held(Index a, Index b) const { return !held.empty() && (held[a] != 0 || held[b] != 0); }
   double* point_scalars(Index of_point) { return scalars.data() + of_point * scalar_names.size(); }
   const double* point_scalars(Index of_point) const {

@@ -1,6 +1,7 @@
 // What the two ways of choosing collapses have in common: limits, counts, and committing a collapse.
 #pragma once
 
+#include <recede/lod/detail/collapse_log.h>
 #include <recede/lod/detail/collapse_rules.h>
 #include <recede/lod/detail/corner_table.h>
 #include <recede/lod/simplify.h>
@@ -21,6 +22,7 @@ struct RunCounts {
   std::size_t joined = 0, dropped_parts = 0, dropped_faces = 0;
   double error = 0;  ///< table units
   RefusedCollapses refused;
+  CollapseLog log;  ///< empty unless the table is logged
   void add(const CollapseEffect& effect);
   void add(const RunCounts& other);
 };
@@ -77,6 +79,17 @@ class Simplifier {
   std::size_t start_faces_ = 0, start_points_ = 0;
 };
 
+/// Throws `OptionError` for options out of range.
+void check(const SimplifyOptions& options);
+void check(const SimplifyTarget& target);
+/// Targets in table units; `diagonal`, too, is in those.
+Limits to_limits(const SimplifyTarget& target, std::size_t input_faces, double diagonal, double scale);
+double diagonal_of(const CornerTable& table);
+/// Counts and estimates of a run, without errors and seconds.
+void fill_report(const Simplifier& simplifier, SimplifyReport& report);
+
+/// The strategy for `options.cost`, with joins where they are wanted.
+std::unique_ptr<Simplifier> make_simplifier(CornerTable table, const SimplifyOptions& options);
 /// For `volume` and `texture_deviation`.
 std::unique_ptr<Simplifier> make_volume_simplifier(CornerTable table, const SimplifyOptions& options);
 std::unique_ptr<Simplifier> make_normal_deviation_simplifier(CornerTable table,

@@ -20,11 +20,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import pi
 from typing import Any, Optional, Union
 
+import numpy as np
+
 from ._recede import (
     BakeResult,
     Cancelled,
     Distance,
     Error,
+    FileReport,
     InputError,
     Level,
     LevelError,
@@ -38,9 +41,10 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "BakeResult", "Cancelled", "Distance", "Error", "InputError", "Level", "LevelError", "Material", "Mesh",
-    "OneSidedDistance", "OptionError", "RepairStep", "SimplifyResult", "bake", "compare", "make_displaced_sphere",
-    "make_teapot", "read", "set_threads", "simplify", "simplify_levels", "write",
+    "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "InputError", "Level", "LevelError", "Material",
+    "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh", "RepairStep", "SimplifyResult", "bake",
+    "build_progressive", "compare", "make_displaced_sphere", "make_teapot", "read", "set_threads", "simplify",
+    "simplify_levels", "write",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -150,6 +154,74 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
               "up": list(up), "report": report}
     settings, feature_angle = _simplify_options(options)
     return _recede.bake(mesh, folder, name, levels, settings, feature_angle, progress)
+
+
+class ProgressiveMesh:
+    """A coarse base and the vertex splits that bring the input back, bit for bit; see `build_progressive`."""
+
+    def __init__(self, compiled: _recede.ProgressiveMesh) -> None:
+        self._compiled = compiled
+
+    def level(self, *, faces: int | None = None, error: float | None = None, splits: int | None = None) -> Mesh:
+        """One level: the finest with at most `faces`, the coarsest with at most `error`, or that of so many `splits`.
+
+        Without an argument the finest, which is the input.
+        """
+        return self._compiled.level(faces, error, splits)
+
+    def write(self, path: Path, *, bits: int | None = None, attribute_bits: int | None = None,
+              keep_numbering: bool = False, keep_order: bool | None = None) -> FileReport:
+        """Writes a `.pmesh` file. `bits` quantise positions, `attribute_bits` the rest, 1 to 30; None: bit for bit.
+
+        `keep_numbering` also writes how the input numbers vertices and faces; `keep_order` (None: without `bits`)
+        keeps the order of splits and every level's error.
+        """
+        return self._compiled.write(path, bits, attribute_bits, keep_numbering, keep_order)
+
+    @staticmethod
+    def read(path: Path) -> ProgressiveMesh:
+        """What `write` wrote. Raises `InputError` that names the byte."""
+        return ProgressiveMesh(_recede.read_progressive(path))
+
+    @property
+    def n_splits(self) -> int:
+        return self._compiled.n_splits
+
+    @property
+    def level_faces(self) -> np.ndarray:
+        """Number of faces by number of splits."""
+        return self._compiled.level_faces
+
+    @property
+    def level_errors(self) -> np.ndarray:
+        """Two-sided distance to the input by number of splits; a bound when `errors_are_proved`."""
+        return self._compiled.level_errors
+
+    @property
+    def errors_are_proved(self) -> bool:
+        return self._compiled.errors_are_proved
+
+    @property
+    def seconds(self) -> float:
+        """Without those of the proofs."""
+        return self._compiled.seconds
+
+    @property
+    def proof_seconds(self) -> float:
+        return self._compiled.proof_seconds
+
+
+def build_progressive(mesh: Mesh, *, faces: int | None = None, vertices: int | None = None, ratio: float | None = None,
+                      progress: Progress | None = None, **options: Any) -> ProgressiveMesh:
+    """All levels of a mesh between a base and itself.
+
+    `faces`, `vertices` and `ratio` say how small the base is (as small as can be when none is given). Options are those
+    of `simplify`, where the placement "automatic" is "half_edge" and `prove_error=False` leaves estimates.
+    """
+    settings, feature_angle = _simplify_options(options)
+    target = {"faces": faces, "vertices": vertices, "ratio": ratio}
+    compiled = _recede.build_progressive(mesh, {**settings, **target}, feature_angle, progress)
+    return ProgressiveMesh(compiled)
 
 
 def make_teapot(quads_per_side: int = 40, relief: float = 0.02) -> Mesh:

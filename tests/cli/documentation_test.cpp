@@ -82,7 +82,7 @@ TEST(Documentation, HoldsOnlySmallPictures) {
 TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
-  for (const char* command : {"bake", "simplify", "compare", "info"}) {
+  for (const char* command : {"bake", "simplify", "compare", "info", "progressive", "extract"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -106,7 +106,9 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"info", sphere, "--json"},
            {"compare", sphere, sphere, "--json"},
            {"simplify", sphere, "-o", out + ".ply", "--ratio", "0.5", "--json"},
-           {"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report", "--json"}}) {
+           {"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report", "--json"},
+           {"progressive", sphere, "-o", out + ".pmesh", "--json"},
+           {"extract", out + ".pmesh", "-o", out + ".ply", "--json"}}) {
     collect_fields(json_of(run_recede(arguments)), fields);
   }
   const std::string page = read_whole_file(k_source / "docs/command-line.md");

@@ -9,7 +9,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand, testing::Values("bake", "simplify", "compare", "info"),
+INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
+                         testing::Values("bake", "simplify", "compare", "info", "progressive", "extract"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -30,11 +31,11 @@ TEST_P(EveryCommand, AsksForItsArguments) {
   EXPECT_THAT(complaint_of(run_recede({GetParam()}), 2), HasSubstr("required"));
 }
 
-TEST(Usage, OfTheWholeCommandNamesTheFourCommands) {
+TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.output,
-              AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("info")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
+                                HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract")));
 }
 
 TEST(Usage, PrintsTheVersion) {

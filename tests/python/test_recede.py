@@ -241,3 +241,26 @@ def test_every_function_says_what_it_does():
         item = getattr(recede, name)
         if inspect.isfunction(item):
             assert item.__doc__ and len(item.__doc__) > 40, name
+
+
+def test_a_progressive_mesh_gives_levels_and_the_input_back(sphere, tmp_path):
+    progressive = recede.build_progressive(sphere, ratio=0.05)
+    assert progressive.errors_are_proved
+    assert progressive.level_faces[-1] == sphere.n_faces and progressive.level_errors[-1] == 0
+    small = progressive.level(faces=1000)
+    assert 990 <= small.n_faces <= 1000
+    near = progressive.level(error=0.01)
+    assert recede.compare(sphere, near).max <= 0.01
+    full = progressive.level()
+    assert np.array_equal(full.positions, sphere.positions)
+    assert np.array_equal(full.faces, sphere.faces)
+    report = progressive.write(tmp_path / "sphere.pmesh", keep_numbering=True)
+    assert report.bytes == (tmp_path / "sphere.pmesh").stat().st_size
+    back = recede.ProgressiveMesh.read(tmp_path / "sphere.pmesh")
+    assert np.array_equal(back.level().faces, sphere.faces)
+    assert progressive.write(tmp_path / "small.pmesh", bits=12).bytes < report.bytes / 2
+    with pytest.raises(recede.OptionError):
+        progressive.level(faces=10, error=0.1)
+    (tmp_path / "bad.pmesh").write_bytes(b"RCDPMESH")
+    with pytest.raises(recede.InputError, match="byte"):
+        recede.ProgressiveMesh.read(tmp_path / "bad.pmesh")

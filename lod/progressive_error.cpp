@@ -1,0 +1,384 @@
+#include <recede/geometry/detail/bound_search.h>
+#include <recede/lod/detail/error_proof.h>
+#include <recede/lod/detail/progressive_error.h>
+#include <recede/lod/detail/triangle_cover.h>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace recede::detail {
+namespace {
+
+/// Width of a proved interval relative to its upper end.
+constexpr double k_tolerance = 0.05;
+/// Errors below this share of the extent are rounding, and count as none.
+constexpr double k_rounding = 1e-12;
+/// Splits whose new faces are measured together: few at first, as what is no farther than the error so far
+/// takes hardly any time.
+constexpr std::size_t k_first_block = 256, k_largest_block = 8192;
+
+/// The corners at each vertex of a level, to find faces beside others.
+class CornerRings {
+ public:
+  CornerRings(const ProgressiveMesh& mesh, const ProgressiveCursor& cursor)
+      : next_(mesh.corner_vertices.size(), k_no_index),
+        previous_(next_.size(), k_no_index),
+        first_(mesh.positions.size(), k_no_index) {
+    for (Index f = 0; f < mesh.n_faces(); ++f) {
+      for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
+        if (cursor.is_face_alive(f) && cursor.is_corner_alive(c)) link(c, cursor.corner_vertices()[c]);
+      }
+    }
+  }
+  void link(Index corner, Index vertex) {
+    next_[corner] = first_[vertex];
+    previous_[corner] = k_no_index;
+    if (first_[vertex] != k_no_index) previous_[first_[vertex]] = corner;
+    first_[vertex] = corner;
+  }
+  void unlink(Index corner, Index vertex) {
+    if (previous_[corner] == k_no_index)
+      first_[vertex] = next_[corner];
+    else
+      next_[previous_[corner]] = next_[corner];
+    if (next_[corner] != k_no_index) previous_[next_[corner]] = previous_[corner];
+  }
+  template <typename Visit>
+  void each(Index vertex, Visit&& visit) const {
+    for (Index c = first_[vertex]; c != k_no_index; c = next_[c]) visit(c);
+  }
+
+ private:
+  std::vector<Index> next_, previous_, first_;
+};
+
+class ErrorProver {
+ public:
+  ErrorProver(ProgressiveMesh& mesh, const SplitRows<Index>& touched);
+
+  /// The largest distance that a proof found for each level, from `mesh.splits.size()` splits down.
+  std::vector<double> run(Progress* progress);
+
+ private:
+  const Vec3& place(Index corner) const { return cursor_.positions()[cursor_.corner_vertices()[corner]]; }
+  Triangle scaled(const Triangle& t) const { return {scaled(t.a), scaled(t.b), scaled(t.c)}; }
+  Vec3 scaled(const Vec3& p) const {
+    const Vec3 d = p - center_;
+    return {std::ldexp(d.x(), exponent_), std::ldexp(d.y(), exponent_), std::ldexp(d.z(), exponent_)};
+  }
+  void start();
+  void take_back(std::size_t split);
+  void add_triangles(Index face, std::vector<FaceTriangle>& triangles) const;
+  void collect_stale(std::size_t split);
+  void unlink_split(std::size_t split);
+  void link_split(std::size_t split);
+  void cover_again(std::size_t split);
+  void cover_dropped();
+  void add_beside(std::vector<FaceTriangle>& targets);
+  void set_uses(Index triangle, double bound);
+  double measure_block(const std::vector<FaceTriangle>& made, std::vector<double>& of_split,
+                       const std::vector<std::size_t>& splits, double largest) const;
+
+  ProgressiveMesh& mesh_;
+  const SplitRows<Index>& touched_;
+  ProgressiveCursor cursor_;
+  Vec3 center_ = Vec3::Zero();
+  int exponent_ = 0;
+  double floor_ = 0;
+  std::optional<Surface> fine_;            // the finest level of splits
+  std::vector<Triangle> triangles_;        // of the finest level
+  std::vector<std::vector<Index>> uses_;   // by triangle: the faces that its bound needs
+  std::vector<std::vector<Index>> users_;  // by face: triangles that need it, and some that did
+  std::vector<unsigned char> is_touched_;  // by face: by the split at hand
+  std::optional<CornerRings> rings_;
+  std::vector<Index> corner_face_;
+  TriangleCover cover_;
+  double largest_ = 0;        // bound so far
+  std::vector<Index> stale_;  // triangles whose faces change
+  std::vector<FaceTriangle> patch_, targets_;
+  std::vector<Index> beside_;
+};
+
+ErrorProver::ErrorProver(ProgressiveMesh& mesh, const SplitRows<Index>& touched)
+    : mesh_(mesh), touched_(touched), cursor_(mesh) {
+  cursor_.move_to(mesh.splits.size());
+  Box3 box;
+  for (const Vec3& p : mesh.positions) box.extend(p);
+  if (box.isEmpty()) return;
+  center_ = 0.5 * box.min() + 0.5 * box.max();
+  const double largest = (0.5 * box.max() - 0.5 * box.min()).maxCoeff();
+  if (largest > 0) exponent_ = -std::ilogb(largest);
+  floor_ = k_rounding * (largest > 0 ? std::ldexp(largest, exponent_) : 1);
+}
+
+/// The triangles of a face as `triangulate` cuts it.
+void ErrorProver::add_triangles(Index face, std::vector<FaceTriangle>& triangles) const {
+  std::array<Vec3, 3> corners;
+  std::size_t n = 0;
+  PolygonSoup polygon;  // of more than three corners
+  for (Index c = mesh_.face_offsets[face]; c < mesh_.face_offsets[face + 1]; ++c) {
+    if (!cursor_.is_corner_alive(c)) continue;
+    if (n == 3) polygon.positions.assign(corners.begin(), corners.end());
+    if (n >= 3) polygon.positions.push_back(place(c));
+    if (n < 3) corners[n] = place(c);
+    ++n;
+  }
+  if (n == 3) {
+    triangles.push_back({scaled({corners[0], corners[1], corners[2]}), face});
+    return;
+  }
+  for (Index v = 0; v < n; ++v) polygon.corner_vertices.push_back(v);
+  polygon.face_offsets.push_back(static_cast<Index>(n));
+  const std::vector<Index> cut = triangulate(polygon);
+  const std::vector<Vec3>& p = polygon.positions;
+  for (std::size_t t = 0; t < cut.size(); t += 3) {
+    triangles.push_back({scaled({p[cut[t]], p[cut[t + 1]], p[cut[t + 2]]}), face});
+  }
+}
+
+/// A soup of triangles that share no vertices.
+PolygonSoup loose_triangles(std::span<const FaceTriangle> triangles) {
+  PolygonSoup soup;
+  for (const FaceTriangle& t : triangles) {
+    const auto first = static_cast<Index>(soup.positions.size());
+    soup.positions.insert(soup.positions.end(), {t.corners.a, t.corners.b, t.corners.c});
+    soup.add_face(std::array<Index, 3>{first, first + 1, first + 2});
+  }
+  return soup;
+}
+
+void ErrorProver::start() {
+  std::vector<FaceTriangle> all;
+  for (Index f = 0; f < mesh_.n_faces(); ++f) {
+    corner_face_.insert(corner_face_.end(), mesh_.face_offsets[f + 1] - mesh_.face_offsets[f], f);
+    if (cursor_.is_face_alive(f)) add_triangles(f, all);
+  }
+  const PolygonSoup level = cursor_.soup();
+  PolygonSoup soup;
+  for (const Vec3& p : level.positions) soup.positions.push_back(scaled(p));
+  soup.corner_vertices = triangulate(level);
+  for (std::size_t c = 3; c <= soup.n_corners(); c += 3) soup.face_offsets.push_back(static_cast<Index>(c));
+  fine_.emplace(std::move(soup));
+  users_.resize(mesh_.n_faces());
+  is_touched_.assign(mesh_.n_faces(), 0);
+  for (const FaceTriangle& t : all) {
+    users_[t.face].push_back(static_cast<Index>(triangles_.size()));
+    uses_.push_back({t.face});
+    triangles_.push_back(t.corners);
+  }
+  rings_.emplace(mesh_, cursor_);
+}
+
+/// The triangles that need a face that the split touches.
+void ErrorProver::collect_stale(std::size_t split) {
+  stale_.clear();
+  for (const Index face : touched_[split]) {
+    for (const Index t : users_[face]) {
+      if (std::find(uses_[t].begin(), uses_[t].end(), face) != uses_[t].end()) stale_.push_back(t);
+    }
+    users_[face].clear();
+  }
+  for (const Index face : touched_[split]) is_touched_[face] = 1;
+  std::sort(stale_.begin(), stale_.end());
+  stale_.erase(std::unique(stale_.begin(), stale_.end()), stale_.end());
+}
+
+/// Before the split is taken back: its corners leave their vertices.
+void ErrorProver::unlink_split(std::size_t number) {
+  const VertexSplit& split = mesh_.splits[number];
+  const auto items = mesh_.items_of(number);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i < split.n_corners || i >= split.n_corners + split.n_faces) {
+      rings_->unlink(items[i], cursor_.corner_vertices()[items[i]]);
+      continue;
+    }
+    for (Index c = mesh_.face_offsets[items[i]]; c < mesh_.face_offsets[items[i] + 1]; ++c) {
+      if (cursor_.is_corner_alive(c)) rings_->unlink(c, cursor_.corner_vertices()[c]);
+    }
+  }
+}
+
+void ErrorProver::link_split(std::size_t number) {
+  const VertexSplit& split = mesh_.splits[number];
+  for (const Index corner : mesh_.items_of(number).first(split.n_corners)) rings_->link(corner, split.kept);
+}
+
+void ErrorProver::set_uses(Index triangle, double bound) {
+  largest_ = std::max(largest_, bound);
+  for (const Index face : cover_.used()) {
+    // Lists of faces that stay have it already; those of touched ones are new.
+    std::vector<Index>& users = users_[face];
+    const auto& before = uses_[triangle];
+    if (std::find(before.begin(), before.end(), face) == before.end() || is_touched_[face] != 0) {
+      users.push_back(triangle);
+    }
+  }
+  uses_[triangle].assign(cover_.used().begin(), cover_.used().end());
+}
+
+/// Adds the faces that share a vertex with those of the targets.
+void ErrorProver::add_beside(std::vector<FaceTriangle>& targets) {
+  beside_.clear();
+  for (const FaceTriangle& t : targets) {
+    if (std::find(beside_.begin(), beside_.end(), t.face) == beside_.end()) beside_.push_back(t.face);
+  }
+  const std::size_t n_known = beside_.size();
+  for (std::size_t i = 0; i < n_known; ++i) {
+    for (Index c = mesh_.face_offsets[beside_[i]]; c < mesh_.face_offsets[beside_[i] + 1]; ++c) {
+      if (!cursor_.is_corner_alive(c)) continue;
+      rings_->each(cursor_.corner_vertices()[c],
+                   [&](Index other) { beside_.push_back(corner_face_[other]); });
+    }
+  }
+  const auto known = beside_.begin() + static_cast<std::ptrdiff_t>(n_known);
+  std::sort(known, beside_.end());
+  const auto end = std::unique(known, beside_.end());
+  for (auto face = known; face != end; ++face) {
+    if (std::find(beside_.begin(), known, *face) == known) add_triangles(*face, targets);
+  }
+}
+
+/// Bounds for what needed faces that have changed: by the faces that came, and by those that it needs beside
+/// them; where that isn't enough, by their neighbours too.
+void ErrorProver::cover_again(std::size_t split) {
+  patch_.clear();
+  for (const Index face : touched_[split]) {
+    if (cursor_.is_face_alive(face)) add_triangles(face, patch_);
+  }
+  for (const Index t : stale_) {
+    targets_.assign(patch_.begin(), patch_.end());
+    for (const Index face : uses_[t]) {
+      if (is_touched_[face] == 0) add_triangles(face, targets_);
+    }
+    const double enough = std::max(largest_, floor_);
+    if (targets_.empty()) {  // nothing is left; no bound from here on
+      largest_ = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    double bound = cover_.bound(triangles_[t], targets_, enough);
+    if (bound > enough) {
+      add_beside(targets_);
+      bound = cover_.bound(triangles_[t], targets_, enough);
+    }
+    set_uses(t, bound);
+  }
+}
+
+/// After parts are gone, what stood for them is looked for everywhere.
+void ErrorProver::cover_dropped() {
+  std::vector<FaceTriangle> all;
+  for (Index f = 0; f < mesh_.n_faces(); ++f) {
+    if (cursor_.is_face_alive(f)) add_triangles(f, all);
+  }
+  const Surface level(loose_triangles(all));
+  for (const Index t : stale_) {
+    const Triangle& triangle = triangles_[t];
+    targets_.clear();
+    for (const Vec3& p :
+         {triangle.a, triangle.b, triangle.c, Vec3((triangle.a + triangle.b + triangle.c) / 3)}) {
+      targets_.push_back(all[level.tree.closest(p).triangle]);
+    }
+    const double enough = std::max(largest_, floor_);
+    double bound = cover_.bound(triangle, targets_, enough);
+    if (bound > enough) {
+      add_beside(targets_);
+      bound = cover_.bound(triangle, targets_, enough);
+    }
+    set_uses(t, bound);
+  }
+}
+
+void ErrorProver::take_back(std::size_t split) {
+  collect_stale(split);
+  unlink_split(split);
+  cursor_.move_to(split);
+  link_split(split);
+  if (mesh_.splits[split].kept == k_no_index)
+    cover_dropped();
+  else
+    cover_again(split);
+  for (const Index face : touched_[split]) is_touched_[face] = 0;
+}
+
+/// How far the faces that a block of splits makes are from the finest level, by split.
+double ErrorProver::measure_block(const std::vector<FaceTriangle>& made, std::vector<double>& of_split,
+                                  const std::vector<std::size_t>& splits, double largest) const {
+  if (made.empty()) return largest;
+  const Surface surface(loose_triangles(made));
+  std::vector<Index> nearest(surface.positions.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nearest.size(), 256), [&](const auto& range) {
+    Index hint = k_no_index;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      nearest[i] = hint = fine_->tree.closest(surface.positions[i], hint).triangle;
+    }
+  });
+  // So that what is no farther than the bound so far is settled at once.
+  const BoundGoal goal{largest * (1 - k_tolerance), k_tolerance, floor_};
+  const std::vector<Interval> intervals = certified_intervals(surface, *fine_, nearest, goal);
+  for (std::size_t i = 0; i < intervals.size(); ++i) {
+    of_split[splits[i]] = std::max(of_split[splits[i]], intervals[i].upper);
+    largest = std::max(largest, intervals[i].upper);
+  }
+  return largest;
+}
+
+std::vector<double> ErrorProver::run(Progress* progress) {
+  start();
+  const std::size_t n = mesh_.splits.size();
+  std::vector<double> of_split(n, 0), errors(n + 1, 0);
+  std::vector<FaceTriangle> made;
+  std::vector<std::size_t> splits;  // of the triangles made
+  double largest_made = 0, at_block_start = 0;
+  std::size_t block = k_first_block, block_end = n - std::min(block, n);
+  for (std::size_t split = n; split-- > 0;) {
+    take_back(split);
+    errors[split] = largest_;
+    if (mesh_.splits[split].kept != k_no_index) {
+      made.insert(made.end(), patch_.begin(), patch_.end());
+      splits.resize(made.size(), split);
+    }
+    if (split > block_end) continue;
+    report_progress(progress, "prove", 1 - static_cast<double>(split) / static_cast<double>(n));
+    largest_made = measure_block(made, of_split, splits, std::max(largest_made, at_block_start));
+    at_block_start = largest_;
+    block = std::min(2 * block, k_largest_block);
+    block_end = split - std::min(block, split);
+    made.clear();
+    splits.clear();
+  }
+  for (std::size_t split = n; split-- > 0;) {
+    errors[split] = std::max({errors[split], errors[split + 1], of_split[split]});
+  }
+  for (double& error : errors) error = std::ldexp(error, -exponent_);
+  return errors;
+}
+
+}  // namespace
+
+void prove_level_errors(ProgressiveMesh& mesh, const PolygonSoup& input, const SplitRows<Index>& touched,
+                        Progress* progress) {
+  mesh.errors_are_proved = true;
+  if (input.n_faces() == 0 || mesh.n_splits() == 0) return;
+  ErrorProof proof(input);
+  double mended = 0;
+  ProgressiveCursor cursor(mesh);
+  if (!mesh.mending.empty()) {
+    cursor.move_to(mesh.splits.size());
+    const auto error = proof.prove(cursor.soup(), progress);
+    mended = error ? error->upper : std::numeric_limits<double>::infinity();
+  }
+  std::vector<double> errors =
+      mesh.splits.empty() ? std::vector<double>{0} : ErrorProver(mesh, touched).run(progress);
+  for (double& error : errors) error += mended;
+  if (!mesh.mending.empty()) errors.push_back(0);
+  cursor.move_to(0);
+  if (const auto error = proof.prove(cursor.soup(), progress)) mesh.report.error_lower = error->lower;
+  mesh.report.error_bound = errors.front();
+  mesh.level_errors = std::move(errors);
+}
+
+}  // namespace recede::detail

@@ -1,0 +1,76 @@
+// What tests of progressive meshes and of their files have in common.
+#pragma once
+
+#include "hard_cases.h"
+#include <recede/lod/detail/byte_streams.h>
+#include <recede/lod/detail/pmesh_chunks.h>
+#include <recede/lod/progressive_mesh.h>
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace recede::test {
+
+template <typename List>
+bool same_bytes(const List& a, const List& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
+}
+
+/// All lists bit by bit, the signs of zeros too.
+inline void expect_same_bits(const PolygonSoup& a, const PolygonSoup& b) {
+  EXPECT_TRUE(same_bytes(a.positions, b.positions));
+  EXPECT_TRUE(same_bytes(a.corner_uvs, b.corner_uvs));
+  EXPECT_TRUE(same_bytes(a.corner_normals, b.corner_normals));
+  EXPECT_TRUE(same_bytes(a.vertex_colors, b.vertex_colors));
+  EXPECT_TRUE(a.face_offsets == b.face_offsets);
+  EXPECT_TRUE(a.corner_vertices == b.corner_vertices);
+  EXPECT_TRUE(a.face_materials == b.face_materials);
+  EXPECT_TRUE(a.feature_edges == b.feature_edges);
+  EXPECT_TRUE(a.materials == b.materials);
+  ASSERT_EQ(a.vertex_scalars.size(), b.vertex_scalars.size());
+  for (std::size_t i = 0; i < a.vertex_scalars.size(); ++i) {
+    EXPECT_EQ(a.vertex_scalars[i].name, b.vertex_scalars[i].name);
+    EXPECT_TRUE(same_bytes(a.vertex_scalars[i].values, b.vertex_scalars[i].values));
+  }
+}
+
+inline ProgressiveOptions options_for(CostPolicy cost, VertexPlacement placement, bool prove = false) {
+  ProgressiveOptions options;
+  options.simplify.cost = cost;
+  options.simplify.placement = placement;
+  options.simplify.prove_error = prove;
+  return options;
+}
+
+inline std::vector<ProgressiveOptions> all_ways() {
+  using enum VertexPlacement;
+  return {options_for(CostPolicy::volume, half_edge), options_for(CostPolicy::volume, midpoint),
+          options_for(CostPolicy::volume, optimal), options_for(CostPolicy::normal_deviation, half_edge),
+          options_for(CostPolicy::normal_deviation, midpoint)};
+}
+
+inline std::string case_name(const testing::TestParamInfo<HardCase>& info) {
+  std::string name = info.param.name;
+  for (char& c : name) {
+    if (!isalnum(static_cast<unsigned char>(c))) c = '_';
+  }
+  return name;
+}
+
+/// Makes the checksums of a changed file right, as far as its parts can be told apart.
+inline void repair_checksums(std::string& bytes) {
+  std::size_t at = detail::k_pmesh_start;
+  while (at + detail::k_chunk_header <= bytes.size()) {
+    const std::size_t size = detail::read_u32(std::string_view(bytes).substr(at + 4));
+    if (size > bytes.size() - at - detail::k_chunk_header) return;
+    const std::uint32_t crc =
+        detail::crc32(bytes.substr(at, 4) + bytes.substr(at + detail::k_chunk_header, size));
+    for (std::size_t i = 0; i < 4; ++i) bytes[at + 8 + i] = static_cast<char>(crc >> (8 * i));
+    at += detail::k_chunk_header + size;
+  }
+}
+
+}  // namespace recede::test
