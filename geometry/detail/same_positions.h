@@ -5,8 +5,8 @@
 
 namespace recede::detail {
 
-/// For each vertex the lowest vertex at the same position (-0 equals 0). Open addressing over a flat table: no
-/// allocation per vertex.
+/// For each vertex the lowest vertex at the same position (-0 equals 0). Open addressing over a flat table:
+/// no allocation per vertex.
 std::vector<Index> lowest_at_same_position(const std::vector<Vec3>& positions);
 
 }  // namespace recede::detail
