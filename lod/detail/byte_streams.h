@@ -62,7 +62,7 @@ class ByteStreams {
   std::string pack(std::array<std::size_t, static_cast<std::size_t>(ByteKind::count)>* sizes = nullptr) const;
   /// The contrary. What comes out is at most `k_most_growth` times as long as what goes in.
   static ByteStreams unpack(std::string_view packed);
-  static constexpr std::size_t k_most_growth = 1024;
+  static constexpr std::size_t k_most_growth = 128;
 
  private:
   [[noreturn]] static void fail();
