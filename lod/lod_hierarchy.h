@@ -84,7 +84,7 @@ struct HierarchyFiles {
   std::filesystem::path folder;  ///< the hierarchy's own data: hierarchy.json and one PLY per level
   std::vector<std::filesystem::path> level_files;
   std::vector<std::uintmax_t> level_bytes;
-  std::vector<MapFiles> map_files;  ///< one for each level
+  std::vector<MapFiles> map_files{};  ///< one for each level
 };
 
 /// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds

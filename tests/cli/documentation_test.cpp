@@ -106,7 +106,8 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"info", sphere, "--json"},
            {"compare", sphere, sphere, "--json"},
            {"simplify", sphere, "-o", out + ".ply", "--ratio", "0.5", "--json"},
-           {"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report", "--json"}}) {
+           {"bake", sphere, "-o", out, "--ratios", "0.5", "--maps", "displacement", "--map-size", "64",
+            "--no-report", "--json"}}) {
     collect_fields(json_of(run_recede(arguments)), fields);
   }
   const std::string page = read_whole_file(k_source / "docs/command-line.md");
