@@ -234,8 +234,8 @@ class ShearedLine {
       const double b = (upper[axis] - origin_[axis]) * inverse_[axis];
       const double low = std::min(a, b), high = std::max(a, b);
       // A line in a face of the box gives 0 * infinity: such comparisons leave the interval as it is.
-      if (low - k_rounding * std::abs(low) > enter) enter = low - k_rounding * std::abs(low);
-      if (high + k_rounding * std::abs(high) < leave) leave = high + k_rounding * std::abs(high);
+      enter = std::max(enter, low * (low > 0 ? 1 - k_rounding : 1 + k_rounding));
+      leave = std::min(leave, high * (high > 0 ? 1 + k_rounding : 1 - k_rounding));
     }
     if (enter > leave) return std::numeric_limits<double>::infinity();
     return std::max({0.0, enter, -leave});
