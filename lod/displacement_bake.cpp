@@ -141,13 +141,11 @@ class Baker {
     return place.missed;
   }
 
-  /// Texels beside a triangle continue it, but not by more than half of its size: small triangles take their
-  /// nearest point.
+  /// Texels beside a triangle take its nearest point. To continue the triangle instead is a little nearer on
+  /// smooth surfaces, but leaves sharp edges where both surfaces have one.
   Vec3 weights_for(const detail::MapTriangles& triangles, std::size_t t, std::size_t texel) const {
-    constexpr double k_continued = 0.5;
     const Vec2 uv = detail::uv_of_texel(texel, options_.size);
-    const Vec3 weights = triangles.weights(t, uv);
-    if (weights.minCoeff() >= -k_continued) return weights;
+    if (owners_.inside[texel] != 0) return triangles.weights(t, uv);
     const auto flat = [](const Vec2& p) { return Vec3(p.x(), p.y(), 0); };
     const Triangle triangle{flat(triangles.uv(t, 0)), flat(triangles.uv(t, 1)), flat(triangles.uv(t, 2))};
     const Vec3 nearest = triangles.weights(t, closest_point_on_triangle(flat(uv), triangle).head<2>());

@@ -79,8 +79,8 @@ struct BakedMaps {
 /// decides; ones that face against it are the back of something. Where there is none within the search
 /// distance, the closest point of `fine` does, by its height along the normal.
 ///
-/// The texels around a chart that bilinear lookup inside it reads are found likewise, from the triangles
-/// continued over their sides. Then heights are changed, as little as possible in the sense of least squares,
+/// The texels around a chart that bilinear lookup inside it reads are found likewise, at the nearest point of
+/// the chart. Then heights are changed, as little as possible in the sense of least squares,
 /// so that both sides of every seam agree (`MapOptions::seam_weight`), and all other texels are filled by
 /// means of ever larger surroundings, so that smaller maps of a pyramid see no foreign values.
 ///
