@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <numbers>
@@ -21,9 +22,31 @@ struct BakeOptions {
   double feature_angle = 0;
   std::string up;
   bool no_report = false;
+  std::vector<std::string> maps;  // names
+  int map_size = MapOptions{}.size;
 };
 
 const std::vector<double> k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
+
+Json maps_to_json(const LodLevel& level, const MapFiles& files) {
+  if (!level.maps) return nullptr;
+  const auto path = [](const std::filesystem::path& file) {
+    return file.empty() ? Json(nullptr) : Json(file.string());
+  };
+  const MapReport& report = level.maps->report;
+  const auto& accuracy = level.map_accuracy;
+  return {{"displacement", path(files.displacement)},
+          {"normal", path(files.normal)},
+          {"color", path(files.color)},
+          {"size", level.maps->size},
+          {"atlas_reason", report.atlas_reason},
+          {"search_distance", report.search_distance},
+          {"texels", report.texels},
+          {"missed", report.missed},
+          {"seam_difference", report.seam_difference},
+          {"displaced", accuracy ? Json{{"max", accuracy->max}, {"rms", accuracy->rms}} : Json(nullptr)},
+          {"seconds", report.seconds}};
+}
 
 Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, std::size_t i,
                    double diagonal) {
@@ -37,7 +60,24 @@ Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, s
           {"switch_distance", level.switch_distance},
           {"screen_coverage", level.screen_coverage},
           {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
-          {"stop_reason", level.stop_reason}};
+          {"stop_reason", level.stop_reason},
+          {"maps", maps_to_json(level, files.map_files[i])}};
+}
+
+void print_maps(const LodHierarchy& hierarchy) {
+  if (std::none_of(hierarchy.levels.begin(), hierarchy.levels.end(), [](const auto& l) { return !!l.maps; }))
+    return;
+  fmt::print("level   rms with maps    max with maps   seam difference   missed texels  atlas\n");
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    const LodLevel& level = hierarchy.levels[i];
+    if (!level.maps) continue;
+    const MapReport& report = level.maps->report;
+    const auto& accuracy = level.map_accuracy;
+    fmt::print("{:5} {:>15} {:>16} {:17.3g} {:15}  {}\n", i,
+               accuracy ? fmt::format("{:.3g}", accuracy->rms) : "-",
+               accuracy ? fmt::format("{:.3g}", accuracy->max) : "-", report.seam_difference, report.missed,
+               report.atlas_reason.empty() ? "the input's" : "new: " + report.atlas_reason);
+  }
 }
 
 void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files,
@@ -52,6 +92,7 @@ void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files,
                level.error.bound, 100 * level.error.bound / diagonal, level.switch_distance,
                level.stop_reason);
   }
+  print_maps(hierarchy);
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
   if (report) fmt::print("report     {}\n", report->html.string());
   fmt::print("seconds    {:.3g}\n", seconds);
@@ -64,6 +105,17 @@ Vec3 up_direction(const BakeOptions& options) {
   return Vec3::UnitY();
 }
 
+std::optional<MapOptions> map_options(const BakeOptions& options) {
+  if (options.maps.empty()) return {};
+  const auto wanted = [&](const char* map) {
+    return std::find(options.maps.begin(), options.maps.end(), map) != options.maps.end();
+  };
+  return MapOptions{.displacement = wanted("displacement"),
+                    .normal = wanted("normal"),
+                    .color = wanted("color"),
+                    .size = options.map_size};
+}
+
 void run(BakeOptions options) {
   const auto start = std::chrono::steady_clock::now();
   if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output)) {
@@ -72,6 +124,7 @@ void run(BakeOptions options) {
   TerminalProgress progress(options.common.quiet);
   HierarchyOptions& hierarchy_options = options.hierarchy;
   hierarchy_options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
+  hierarchy_options.maps = map_options(options);
   Model model = read_model(options.input, &progress);
   require_faces(model, options.input);
   mark_features(model.read.mesh, options.feature_angle);
@@ -90,6 +143,10 @@ void run(BakeOptions options) {
   progress.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print_repairs(model.read.report, options.common);
+  if (hierarchy_options.maps && hierarchy_options.maps->color && hierarchy.levels.back().maps &&
+      hierarchy.levels.back().maps->color.samples.empty()) {
+    print_remark(options.input + " has no colours to bake", options.common);
+  }
   if (!options.common.json) return print_text(hierarchy, files, report, diagonal, seconds);
   Json levels = Json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i)
@@ -133,6 +190,15 @@ void add_bake_command(CLI::App& app) {
   command->add_option("--up", options->up, "axis that points up in the pictures: x, y (default) or z")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->group(view);
+  const auto maps = "Maps (from level 0 onto every other level)";
+  command->add_option("--maps", options->maps, "normal, displacement and color, those that are wanted")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"normal", "displacement", "color"}))
+      ->option_text("NAME,...")
+      ->group(maps);
+  command->add_option("--map-size", options->map_size, "texels along each side (1024)")
+      ->check(CLI::Range(4, 16384))
+      ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
   add_common_options(*command, options->common);

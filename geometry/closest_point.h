@@ -1,4 +1,5 @@
-// The nearest point of a triangle surface, by a bounding volume hierarchy in double precision.
+// The nearest point of a triangle surface, and where a line crosses it, by a bounding volume hierarchy in
+// double precision.
 #pragma once
 
 #include <recede/geometry/polygon_soup.h>
@@ -37,6 +38,18 @@ class ClosestPointTree {
   /// The nearest point of a triangle with another label, nearer than the square root of `squared_limit`; a
   /// hit without a triangle when there is none.
   Hit closest_of_others(const Vec3& p, Index label, double squared_limit) const;
+
+  /// Where a line crosses a triangle.
+  struct Crossing {
+    double distance = std::numeric_limits<double>::infinity();  ///< signed, in lengths of the direction
+    Index triangle = k_no_index;
+    Vec3 weights = Vec3::Zero();  ///< of the triangle's corners; their sum is 1
+  };
+  /// The crossing nearest to `origin`, ahead or behind, at most `limit` lengths of `direction` away, with a
+  /// triangle whose normal points along `direction` rather than against it; without a triangle when there is
+  /// none. Lines don't slip through between triangles with a common edge: both see the same signs there
+  /// (Woop, Benthin and Wald 2013, "Watertight ray/triangle intersection", in double precision).
+  Crossing nearest_crossing(const Vec3& origin, const Vec3& direction, double limit) const;
 
   Triangle triangle(Index number) const { return triangles_[place_[number]]; }
   std::size_t size() const { return triangles_.size(); }

@@ -26,7 +26,7 @@ constexpr int k_index_data = 34963;
 
 // A vertex as the file has it; two corners with the same floats share one.
 struct FileVertex {
-  std::array<float, 12> values{};  // position, normal, uv, colour
+  std::array<float, 16> values{};  // position, normal, uv, colour, tangent
   bool operator==(const FileVertex& other) const {
     return std::memcmp(values.data(), other.values.data(), sizeof values) == 0;
   }
@@ -52,6 +52,7 @@ constexpr Attribute k_position{"POSITION", "VEC3", 0, 3};
 constexpr Attribute k_normal{"NORMAL", "VEC3", 3, 3};
 constexpr Attribute k_uv{"TEXCOORD_0", "VEC2", 6, 2};
 constexpr Attribute k_color{"COLOR_0", "VEC4", 8, 4};
+constexpr Attribute k_tangent{"TANGENT", "VEC4", 12, 4};
 
 struct Primitive {
   std::vector<FileVertex> vertices;
@@ -84,7 +85,8 @@ Vec3 unit_face_normal(const PolygonSoup& soup, std::size_t face) {
 
 class VertexMaker {
  public:
-  VertexMaker(const PolygonSoup& soup, const Vec3& offset) : soup_(soup), offset_(offset) {}
+  VertexMaker(const PolygonSoup& soup, std::span<const Vec4> tangents, const Vec3& offset)
+      : soup_(soup), tangents_(tangents), offset_(offset) {}
 
   FileVertex make(Index corner, std::size_t face) const {
     const Index vertex = soup_.corner_vertices[corner];
@@ -97,6 +99,7 @@ class VertexMaker {
     if (!soup_.vertex_colors.empty()) {
       put(result, k_color, soup_.vertex_colors[vertex].cwiseMax(0.0).cwiseMin(1.0));
     }
+    if (!tangents_.empty()) put(result, k_tangent, tangents_[corner]);
     return result;
   }
 
@@ -116,6 +119,7 @@ class VertexMaker {
   }
 
   const PolygonSoup& soup_;
+  std::span<const Vec4> tangents_;
   Vec3 offset_;
 };
 
@@ -188,23 +192,31 @@ struct GltfBuilder::Impl {
                                 {"type", "SCALAR"}});
   }
 
+  int texture_number(const std::string& path) {
+    const int image = append("images", {{"uri", detail::encode_percent(path)}});
+    return append("textures", {{"source", image}});
+  }
+
   int material_number(Material material, bool has_uvs) {
-    if (!has_uvs) material.base_color_texture.clear();  // a texture needs coordinates
+    if (!has_uvs) {  // a texture needs coordinates
+      material.base_color_texture.clear();
+      material.normal_texture.clear();
+    }
     const auto found = std::find(materials.begin(), materials.end(), material);
     if (found != materials.end()) return static_cast<int>(found - materials.begin());
     json surface{{"baseColorFactor", clamped_color(material.base_color)}, {"metallicFactor", 0.0}};
-    if (!material.base_color_texture.empty()) {
-      const int image = append("images", {{"uri", detail::encode_percent(material.base_color_texture)}});
-      surface["baseColorTexture"] = {{"index", append("textures", {{"source", image}})}};
-    }
+    if (!material.base_color_texture.empty())
+      surface["baseColorTexture"] = {{"index", texture_number(material.base_color_texture)}};
     json entry{{"pbrMetallicRoughness", std::move(surface)}, {"doubleSided", true}};
+    if (!material.normal_texture.empty())
+      entry["normalTexture"] = {{"index", texture_number(material.normal_texture)}};
     if (!material.name.empty()) entry["name"] = material.name;
     if (material.base_color[3] < 1.0) entry["alphaMode"] = "BLEND";
     materials.push_back(std::move(material));
     return append("materials", std::move(entry));
   }
 
-  json primitive_json(const Primitive& primitive, const PolygonSoup& soup) {
+  json primitive_json(const Primitive& primitive, const PolygonSoup& soup, bool has_tangents) {
     json attributes;
     const auto add = [&](const Attribute& attribute) {
       attributes[attribute.name] = add_attribute(primitive.vertices, attribute);
@@ -213,6 +225,7 @@ struct GltfBuilder::Impl {
     if (!soup.corner_normals.empty()) add(k_normal);
     if (!soup.corner_uvs.empty()) add(k_uv);
     if (!soup.vertex_colors.empty()) add(k_color);
+    if (has_tangents) add(k_tangent);
     return {{"attributes", std::move(attributes)},
             {"indices", add_indices(primitive.indices, primitive.vertices.size())},
             {"mode", 4}};
@@ -243,12 +256,13 @@ GltfBuilder::~GltfBuilder() = default;
 
 nlohmann::json& GltfBuilder::document() { return impl_->document; }
 
-int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name) {
+int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name,
+                          std::span<const Vec4> corner_tangents) {
   std::vector<Index> faces, corners;
   triangulate(soup, &faces, &corners);
   if (corners.empty()) throw InputError("glTF can't hold a mesh without triangles");
   const Vec3 offset = offset_of(soup);
-  const VertexMaker maker(soup, offset);
+  const VertexMaker maker(soup, corner_tangents, offset);
   // One primitive for each material, the faces without one last.
   std::vector<Primitive> primitives(soup.materials.size() + 1);
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -259,7 +273,7 @@ int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name) {
   json list = json::array();
   for (std::size_t material = 0; material < primitives.size(); ++material) {
     if (primitives[material].indices.empty()) continue;
-    json entry = impl_->primitive_json(primitives[material], soup);
+    json entry = impl_->primitive_json(primitives[material], soup, !corner_tangents.empty());
     if (material < soup.materials.size()) {
       entry["material"] = impl_->material_number(soup.materials[material], !soup.corner_uvs.empty());
     }

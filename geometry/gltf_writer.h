@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
+#include <span>
 #include <string>
 
 namespace recede {
@@ -23,9 +24,10 @@ class GltfBuilder {
   ~GltfBuilder();
 
   /// Adds a mesh and returns its position in `meshes`. Corner normals are made unit length; where some corner
-  /// has none, the face's normal is written. Throws `InputError` for a soup without triangles (glTF can't
+  /// has none, the face's normal is written. `corner_tangents` is empty or holds C unit vectors, each with 1
+  /// or -1 as its fourth number, glTF's TANGENT. Throws `InputError` for a soup without triangles (glTF can't
   /// hold it) or with values outside the range of floats.
-  int add_mesh(const PolygonSoup& soup, const std::string& name);
+  int add_mesh(const PolygonSoup& soup, const std::string& name, std::span<const Vec4> corner_tangents = {});
 
   /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
   int add_node(int mesh, const std::string& name);

@@ -12,6 +12,8 @@ struct Material {
   std::string name;
   Vec4 base_color{0.8, 0.8, 0.8, 1.0};  ///< linear red, green, blue and opacity, 0 to 1
   std::string base_color_texture;       ///< path or URI as written in the file; empty: none
+  /// The same for a map of normals in tangent space, y up. Only glTF holds it.
+  std::string normal_texture{};
   friend bool operator==(const Material&, const Material&) = default;
 };
 

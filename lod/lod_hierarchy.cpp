@@ -87,6 +87,7 @@ class HierarchyBuilder {
       add_levels_by_error();
     }
     set_switch_distances();
+    if (options_.maps) add_maps();
     return std::move(hierarchy_);
   }
 
@@ -132,6 +133,18 @@ class HierarchyBuilder {
   void add_level(SimplifyResult result) {
     LevelProgress progress(progress_, fmt::format("level {}", hierarchy_.levels.size()));
     hierarchy_.levels.push_back(measured_level(std::move(result), &progress));
+  }
+
+  void add_maps() {
+    for (std::size_t i = 1; i < hierarchy_.levels.size(); ++i) {
+      LodLevel& level = hierarchy_.levels[i];
+      LevelProgress progress(progress_, fmt::format("level {}", i));
+      MapOptions options = *options_.maps;
+      if (!options.search_distance && level.error.bound > 0)
+        options.search_distance = MapOptions::k_reach * level.error.bound;
+      level.maps = bake_maps(input_, to_soup(level.mesh), options, &progress);
+      if (options.displacement) level.map_accuracy = measure_maps(input_, *level.maps, &progress);
+    }
   }
 
   /// Distances count from the nearest point of the bounding sphere, where an error looks largest, and never

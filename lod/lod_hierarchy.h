@@ -2,6 +2,7 @@
 #pragma once
 
 #include <recede/geometry/mesh_distance.h>
+#include <recede/lod/displacement_bake.h>
 #include <recede/lod/simplify.h>
 
 #include <filesystem>
@@ -37,6 +38,10 @@ struct LodLevel {
   double simplify_seconds = 0;  ///< from the start of the run to this level
   double measure_seconds = 0;
   std::string stop_reason{};  ///< empty for level 0
+  /// When they were asked for; never for level 0. `maps->surface` is `mesh` with other texture coordinates
+  /// and normals.
+  std::optional<BakedMaps> maps{};
+  std::optional<MapAccuracy> map_accuracy{};  ///< when there is a displacement map
 };
 
 struct LodHierarchy {
@@ -57,6 +62,9 @@ struct HierarchyOptions {
   SimplifyOptions simplify;  ///< `target` is ignored
   /// Measurement of each level. `bound_tolerance` may not be unset here.
   DistanceOptions measure{.samples = 100'000, .bound_tolerance = 0.1};
+  /// When set, level 0 is baked onto every other level. `search_distance` is taken from each level's bound
+  /// unless it is given.
+  std::optional<MapOptions> maps{};
 };
 
 /// Builds and measures the levels, each from the one before. With `errors` or `distances`, each level keeps
@@ -65,20 +73,28 @@ struct HierarchyOptions {
 LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
                              const HierarchyOptions& options, Progress* progress = nullptr);
 
+/// The maps of a level; empty paths: there is no such map.
+struct MapFiles {
+  std::filesystem::path displacement, normal, color;
+};
+
 /// Files that were written.
 struct HierarchyFiles {
   std::filesystem::path glb;     ///< all levels, MSFT_lod and MSFT_screencoverage
   std::filesystem::path folder;  ///< the hierarchy's own data: hierarchy.json and one PLY per level
   std::vector<std::filesystem::path> level_files;
   std::vector<std::uintmax_t> level_bytes;
+  std::vector<MapFiles> map_files{};  ///< one for each level
 };
 
 /// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds
 /// polygons in double precision and can be read back. Same bytes for the same levels: the seconds that they
-/// took aren't in the files.
+/// took aren't in the files. Maps are PNG files in the folder, to which the GLB refers: `normalTexture` and
+/// `baseColorTexture` of the level's materials, and `extras.recede_displacement` of its mesh with `uri`,
+/// `scale`, `offset` and `space`. Such a level is written as `BakedMaps::surface`, the GLB with its tangents.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
-/// Reads what `write_hierarchy` wrote below `<name>.recede/`. Throws `InputError`.
+/// Reads what `write_hierarchy` wrote below `<name>.recede/`, without maps. Throws `InputError`.
 LodHierarchy read_hierarchy(const std::filesystem::path& folder);
 
 }  // namespace recede

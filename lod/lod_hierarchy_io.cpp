@@ -1,4 +1,5 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/gltf_document.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/gltf_writer.h>
 #include <recede/geometry/mesh_io.h>
@@ -7,6 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
+
+#include <algorithm>
 
 namespace recede {
 
@@ -17,14 +20,64 @@ namespace {
 
 constexpr int k_format_version = 1;
 
+std::string map_name(std::size_t level, const char* map) {
+  return fmt::format("level_{}_{}.png", level, map);
+}
+
+/// How heights follow from the samples of a displacement map.
+Json displacement_to_json(const BakedMaps& maps, const std::string& uri) {
+  return {{"uri", uri},
+          {"scale", maps.height_scale},
+          {"offset", maps.height_offset},
+          {"space", "object units along the interpolated normal"}};
+}
+
+/// The level's surface with materials that name its maps. Where colours are baked, one material takes the
+/// place of all; textures of the input don't fit a new atlas.
+PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, const std::string& folder) {
+  PolygonSoup soup = maps.surface;
+  const auto uri = [&](const char* map) { return folder + "/" + map_name(level, map); };
+  if (!maps.color.samples.empty()) {
+    soup.vertex_colors.clear();
+    soup.materials = {{fmt::format("level {}", level), {1, 1, 1, 1}, uri("color")}};
+    soup.face_materials.assign(soup.n_faces(), 0);
+  }
+  if (!maps.report.atlas_reason.empty() && maps.color.samples.empty()) {
+    for (Material& material : soup.materials) material.base_color_texture.clear();
+  }
+  if (maps.normal.samples.empty()) return soup;
+  if (soup.face_materials.empty()) soup.face_materials.assign(soup.n_faces(), k_no_index);
+  for (Index& material : soup.face_materials)
+    material = std::min(material, static_cast<Index>(soup.materials.size()));
+  Material rest;  // of faces without one
+  if (!soup.vertex_colors.empty()) rest.base_color.setOnes();
+  soup.materials.push_back(rest);
+  for (Material& material : soup.materials) material.normal_texture = uri("normal");
+  return soup;
+}
+
+int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i) {
+  const std::string name = fmt::format("{} level {}", hierarchy.name, i);
+  const LodLevel& level = hierarchy.levels[i];
+  if (!level.maps) return builder.add_node(builder.add_mesh(to_soup(level.mesh), name), name);
+  const std::string folder = hierarchy.name + ".recede";
+  const int mesh =
+      builder.add_mesh(surface_with_maps(*level.maps, i, folder), name, level.maps->corner_tangents);
+  if (!level.maps->displacement.samples.empty()) {
+    const std::string uri = detail::encode_percent(folder + "/" + map_name(i, "displacement"));
+    builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_displacement"] =
+        displacement_to_json(*level.maps, uri);
+  }
+  return builder.add_node(mesh, name);
+}
+
 /// MSFT_lod: the finest level's node names the others. MSFT_screencoverage: below entry i, level i + 1
 /// serves; the last entry is the coverage below which nothing is drawn, which this hierarchy leaves at 0.
 std::string to_glb(const LodHierarchy& hierarchy) {
   GltfBuilder builder;
   nlohmann::json ids = nlohmann::json::array(), coverage = nlohmann::json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
-    const std::string name = fmt::format("{} level {}", hierarchy.name, i);
-    const int node = builder.add_node(builder.add_mesh(to_soup(hierarchy.levels[i].mesh), name), name);
+    const int node = add_level(builder, hierarchy, i);
     if (i == 0) {
       builder.add_to_scene(node);
     } else {
@@ -42,14 +95,35 @@ std::string to_glb(const LodHierarchy& hierarchy) {
   return builder.to_glb();
 }
 
-Json to_json(const LodLevel& level, const std::string& file) {
-  return {{"file", file},
-          {"faces", level.mesh.n_faces()},
-          {"vertices", level.mesh.n_vertices()},
-          {"error", {{"max", level.error.max}, {"rms", level.error.rms}, {"bound", level.error.bound}}},
-          {"switch_distance", level.switch_distance},
-          {"screen_coverage", level.screen_coverage},
-          {"stop_reason", level.stop_reason}};
+Json to_json(const LodLevel& level, const std::string& file, const MapFiles& maps) {
+  Json result{{"file", file},
+              {"faces", level.mesh.n_faces()},
+              {"vertices", level.mesh.n_vertices()},
+              {"error", {{"max", level.error.max}, {"rms", level.error.rms}, {"bound", level.error.bound}}},
+              {"switch_distance", level.switch_distance},
+              {"screen_coverage", level.screen_coverage},
+              {"stop_reason", level.stop_reason}};
+  if (!maps.displacement.empty())
+    result["displacement"] = displacement_to_json(*level.maps, maps.displacement.filename().string());
+  if (!maps.normal.empty()) result["normal"] = {{"uri", maps.normal.filename().string()}};
+  if (!maps.color.empty()) result["color"] = {{"uri", maps.color.filename().string()}};
+  return result;
+}
+
+/// Writes the maps of a level into `stage` and says where they will be in `folder`.
+MapFiles write_maps(const LodLevel& level, std::size_t number, const fs::path& stage,
+                    const fs::path& folder) {
+  MapFiles files;
+  if (!level.maps) return files;
+  const auto write = [&](const Raster& map, const char* kind, fs::path& file) {
+    if (map.samples.empty()) return;
+    write_file_atomically(stage / map_name(number, kind), encode_png(map));
+    file = folder / map_name(number, kind);
+  };
+  write(level.maps->displacement, "displacement", files.displacement);
+  write(level.maps->normal, "normal", files.normal);
+  write(level.maps->color, "color", files.color);
+  return files;
 }
 
 /// A folder that takes its final name only when everything in it was written.
@@ -104,9 +178,14 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
   Json levels = Json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     const std::string file = fmt::format("level_{}.ply", i);
-    files.level_bytes.push_back(write_mesh(staged.path() / file, hierarchy.levels[i].mesh).bytes);
+    const LodLevel& level = hierarchy.levels[i];
+    const fs::path target = staged.path() / file;
+    const WriteResult written =
+        level.maps ? write_soup(target, level.maps->surface) : write_mesh(target, level.mesh);
+    files.level_bytes.push_back(written.bytes);
     files.level_files.push_back(files.folder / file);
-    levels.push_back(to_json(hierarchy.levels[i], file));
+    files.map_files.push_back(write_maps(level, i, staged.path(), files.folder));
+    levels.push_back(to_json(level, file, files.map_files.back()));
   }
   const Json document = {{"format", "recede hierarchy"},
                          {"version", k_format_version},

@@ -1,8 +1,7 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
+#include <recede/geometry/raster.h>
 #include <recede/render/image.h>
-
-#include <png.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,59 +47,15 @@ Image shrink(const Image& image, int factor) {
   return small;
 }
 
-namespace {
-
-// libpng reports errors by long jumps unless its handler throws; its C code holds nothing that needs
-// unwinding beyond the two structs that PngWriter frees.
-[[noreturn]] void throw_png_error(png_structp, png_const_charp reason) {
-  throw Error(std::string("PNG: ") + reason);
-}
-
-void ignore_png_warning(png_structp, png_const_charp) {}
-
-void append_bytes(png_structp png, png_bytep bytes, std::size_t count) {
-  static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(bytes), count);
-}
-
-struct PngWriter {
-  png_structp png = nullptr;
-  png_infop info = nullptr;
-  PngWriter() {
-    png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, throw_png_error, ignore_png_warning);
-    if (png != nullptr) info = png_create_info_struct(png);
-    if (info == nullptr) {
-      png_destroy_write_struct(&png, nullptr);
-      throw Error("PNG: out of memory");
-    }
-  }
-  ~PngWriter() { png_destroy_write_struct(&png, &info); }
-  PngWriter(const PngWriter&) = delete;
-  PngWriter& operator=(const PngWriter&) = delete;
-};
-
-}  // namespace
-
 std::string encode_png(const Image& image) {
-  std::string file;
-  const PngWriter writer;
-  png_set_write_fn(writer.png, &file, append_bytes, nullptr);
-  png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(image.width),
-               static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_write_info(writer.png, writer.info);
-  std::vector<png_byte> row(static_cast<std::size_t>(image.width) * 3);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int channel = 0; channel < 3; ++channel) {
-        const float encoded = encode_srgb(image.at(x, y)[channel]);
-        row[static_cast<std::size_t>(3 * x + channel)] = static_cast<png_byte>(std::lround(255.0f * encoded));
-      }
+  Raster raster{.width = image.width, .height = image.height, .channels = 3, .srgb = true, .samples = {}};
+  raster.samples.reserve(3 * image.pixels.size());
+  for (const Rgb& pixel : image.pixels) {
+    for (const float channel : pixel) {
+      raster.samples.push_back(static_cast<std::uint16_t>(std::lround(255.0f * encode_srgb(channel))));
     }
-    png_write_row(writer.png, row.data());
   }
-  png_write_end(writer.png, writer.info);
-  return file;
+  return encode_png(raster);
 }
 
 void write_png(const std::filesystem::path& path, const Image& image) {

@@ -1,7 +1,7 @@
 #include <recede/geometry/error.h>
+#include <recede/geometry/shading_normals.h>
 #include <recede/render/detail/scene_data.h>
 #include <recede/render/scene.h>
-#include <recede/render/shading_normals.h>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>

@@ -84,6 +84,8 @@ class GltfReader {
       material.base_color = surface["baseColorFactor"].vector_or(Vec4(1, 1, 1, 1));
       const GltfValue texture = surface["baseColorTexture"]["index"];
       if (texture) material.base_color_texture = image_path(texture.integer());
+      const GltfValue normals = materials.at(i)["normalTexture"]["index"];
+      if (normals) material.normal_texture = image_path(normals.integer());
       soup_.materials.push_back(std::move(material));
     }
   }

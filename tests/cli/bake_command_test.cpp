@@ -165,6 +165,40 @@ TEST(BakeCommand, WritesAGlbThatPassesTheKhronosValidator) {
   EXPECT_TRUE(is_valid_gltf(folder / "out/sphere.glb"));
 }
 
+TEST(BakeCommand, WritesTheMapsThatAreAskedFor) {
+  const TempFolder folder;
+  const json levels = bake_sphere(folder, {"--ratios", "0.5", "0.1", "--no-report", "--maps",
+                                           "normal,displacement", "--map-size", "128"})
+                          .at("levels");
+  EXPECT_TRUE(levels[0].at("maps").is_null());
+  for (std::size_t i = 1; i < 3; ++i) {
+    const json& maps = levels[i].at("maps");
+    EXPECT_EQ(maps.at("size"), 128);
+    EXPECT_EQ(maps.at("atlas_reason"), "no texture coordinates");
+    EXPECT_TRUE(maps.at("color").is_null());
+    EXPECT_LT(maps.at("displaced").at("rms"), levels[i].at("error").at("rms"));
+    EXPECT_LT(maps.at("missed"), maps.at("texels"));
+    EXPECT_EQ(read_whole_file(maps.at("displacement").get<std::string>()).substr(1, 3), "PNG");
+  }
+  EXPECT_THAT(
+      names_below(folder / "out/sphere.recede"),
+      ElementsAre("hierarchy.json", "level_0.ply", "level_1.ply", "level_1_displacement.png",
+                  "level_1_normal.png", "level_2.ply", "level_2_displacement.png", "level_2_normal.png"));
+  if (!has_gltf_validator()) GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";
+  EXPECT_TRUE(is_valid_gltf(folder / "out/sphere.glb"));
+}
+
+TEST(BakeCommand, SaysThatThereAreNoColoursToBakeAndRefusesUnknownMaps) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500), out = folder / "out";
+  const CommandResult run = run_recede({"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report", "--maps",
+                                        "normal,color", "--map-size", "64"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.remarks, HasSubstr("has no colours to bake"));
+  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "height"}), 2);
+  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-size", "1"}), 2);
+}
+
 TEST(BakeCommand, WritesTheSameLevelsForAnyNumberOfThreads) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 20000);

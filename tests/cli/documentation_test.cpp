@@ -106,7 +106,8 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"info", sphere, "--json"},
            {"compare", sphere, sphere, "--json"},
            {"simplify", sphere, "-o", out + ".ply", "--ratio", "0.5", "--json"},
-           {"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report", "--json"},
+           {"bake", sphere, "-o", out, "--ratios", "0.5", "--maps", "displacement", "--map-size", "64",
+            "--no-report", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"}}) {
     collect_fields(json_of(run_recede(arguments)), fields);

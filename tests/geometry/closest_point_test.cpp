@@ -1,4 +1,5 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/geometry/sample_models.h>
 
 #include <gtest/gtest.h>
 
@@ -51,6 +52,79 @@ TEST(ClosestPoint, OfOtherLabelsIsThatOfBruteForce) {
       }
     }
   }
+}
+
+/// By Cramer's rule, in the order of the list.
+double nearest_crossing_by_brute_force(const Triangles& triangles, const Vec3& origin, const Vec3& direction,
+                                       double limit) {
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t + 2 < triangles.corners.size(); t += 3) {
+    const Vec3 a = triangles.positions[triangles.corners[t]];
+    const Vec3 ab = triangles.positions[triangles.corners[t + 1]] - a;
+    const Vec3 ac = triangles.positions[triangles.corners[t + 2]] - a;
+    if (ab.cross(ac).dot(direction) <= 0) continue;
+    Eigen::Matrix3d columns;
+    columns << ab, ac, -direction;
+    const Vec3 solution = columns.inverse() * (origin - a);
+    if (solution.x() < 0 || solution.y() < 0 || solution.x() + solution.y() > 1) continue;
+    if (std::abs(solution.z()) <= limit && std::abs(solution.z()) < std::abs(best)) best = solution.z();
+  }
+  return best;
+}
+
+TEST(ClosestPoint, TheNearestCrossingOfALineIsThatOfBruteForce) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::size_t found = 0;
+  for (const std::size_t n : {1u, 3u, 5u, 40u, 300u}) {
+    const Triangles triangles = random_triangles(n, random);
+    const ClosestPointTree tree(triangles.positions, triangles.corners);
+    for (int query = 0; query < 3000; ++query) {
+      const Vec3 origin(unit(random), unit(random), unit(random));
+      Vec3 direction = Vec3(unit(random), unit(random), unit(random)) - Vec3::Constant(0.5);
+      if (query % 3 == 0) direction = (query % 2 == 0 ? 1 : -1) * Vec3::Unit(query % 9 / 3);
+      const double limit = query % 2 == 0 ? 0.3 : 10;
+      const double expected = nearest_crossing_by_brute_force(triangles, origin, direction, limit);
+      const auto hit = tree.nearest_crossing(origin, direction, limit);
+      ASSERT_EQ(hit.triangle == k_no_index, std::isinf(expected));
+      if (hit.triangle == k_no_index) continue;
+      ++found;
+      EXPECT_NEAR(hit.distance, expected, 1e-9);
+      const Triangle t = tree.triangle(hit.triangle);
+      const Vec3 point = hit.weights[0] * t.a + hit.weights[1] * t.b + hit.weights[2] * t.c;
+      EXPECT_LT((point - (origin + hit.distance * direction)).norm(), 1e-9);
+    }
+  }
+  EXPECT_GT(found, 200u);
+}
+
+TEST(ClosestPoint, NoLineSlipsThroughAtEdgesAndCornersOfAClosedSurface) {
+  const PolygonSoup soup = make_displaced_sphere(500, true);
+  const std::vector<Index> corners = triangulate(soup);
+  const ClosestPointTree tree(soup.positions, corners);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int query = 0; query < 20000; ++query) {
+    const std::size_t t = 3 * (random() % (corners.size() / 3)), k = random() % 3;
+    const Vec3 a = soup.positions[corners[t + k]], b = soup.positions[corners[t + (k + 1) % 3]];
+    const double share = query % 4 == 0 ? 0 : unit(random);
+    const Vec3 origin(0.01 * unit(random), 0, 0);
+    const Vec3 direction = a + share * (b - a) - origin;
+    const auto hit = tree.nearest_crossing(origin, direction, 2);
+    ASSERT_NE(hit.triangle, k_no_index) << "query " << query;
+    EXPECT_NEAR(hit.distance, 1, 1e-9);
+  }
+}
+
+TEST(ClosestPoint, ALineMissesTrianglesThatFaceAgainstItAndThoseBeyondTheLimit) {
+  const std::vector<Vec3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  const ClosestPointTree tree(square, {0, 1, 2, 0, 2, 3});
+  const Vec3 above(0.25, 0.5, 2);
+  EXPECT_EQ(tree.nearest_crossing(above, Vec3::UnitZ(), 3).distance, -2) << "behind the origin";
+  EXPECT_EQ(tree.nearest_crossing(above, Vec3::UnitZ(), 2).distance, -2) << "just at the limit";
+  EXPECT_EQ(tree.nearest_crossing(above, Vec3::UnitZ(), 1.9).triangle, k_no_index);
+  EXPECT_EQ(tree.nearest_crossing(above, -Vec3::UnitZ(), 3).triangle, k_no_index);
+  EXPECT_EQ(tree.nearest_crossing(above, Vec3::Zero(), 3).triangle, k_no_index);
 }
 
 }  // namespace

@@ -356,6 +356,29 @@ TEST(GltfBuilder, SharesMaterialsAndTakesExtensionsOfNodes) {
   EXPECT_EQ(read_soup(folder.write("a.gltf", builder.to_gltf())).n_faces(), 2u);
 }
 
+TEST(GltfBuilder, WritesTangentsAndSplitsVerticesWhereTheyDiffer) {
+  PolygonSoup soup = test::two_triangles();
+  for (const Index v : soup.corner_vertices) {
+    soup.corner_uvs.emplace_back(soup.positions[v].head<2>());
+    soup.corner_normals.push_back(Vec3::UnitZ());
+  }
+  soup.materials = {{"", {1, 1, 1, 1}, "", "bumps of stone.png"}};
+  soup.face_materials = {0, 0};
+  std::vector<Vec4> tangents(6, Vec4(1, 0, 0, 1));
+  tangents[0].w() = -1;
+  GltfBuilder builder;
+  builder.add_to_scene(builder.add_node(builder.add_mesh(soup, "sheet", tangents), "sheet"));
+  const json& document = builder.document();
+  const json& attributes = document.at("meshes")[0].at("primitives")[0].at("attributes");
+  const json& accessor = document.at("accessors")[attributes.at("TANGENT").get<std::size_t>()];
+  EXPECT_EQ(accessor.at("type"), "VEC4");
+  EXPECT_EQ(accessor.at("count"), 5);
+  EXPECT_EQ(document.at("images")[0].at("uri"), "bumps%20of%20stone.png");
+  const test::TempFolder folder;
+  EXPECT_EQ(read_soup(folder.write("sheet.glb", builder.to_glb())).materials[0].normal_texture,
+            "bumps of stone.png");
+}
+
 TEST(GltfWriter, PassesTheKhronosValidator) {
   if (!std::filesystem::exists(std::filesystem::path(RECEDE_NODE_MODULES) / "gltf-validator")) {
     GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";

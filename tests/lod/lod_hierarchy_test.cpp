@@ -1,5 +1,6 @@
 #include "meshes.h"
 #include "temp_folder.h"
+#include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cstring>
 #include <fstream>
 #include <numbers>
 
@@ -128,6 +130,67 @@ TEST(LodHierarchy, TheGlbNamesItsLevelsOnTheFirstSceneNode) {
   EXPECT_THAT(glb["extensionsUsed"], ::testing::Contains("MSFT_lod"));
   // Read back, the file is its finest level, as triangles.
   EXPECT_EQ(read_soup(files.glb).n_faces(), 2 * h.levels[0].mesh.n_faces());
+}
+
+TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesThatTheGlbNames) {
+  const test::TempFolder folder;
+  HierarchyOptions options = by_ratios({0.3, 0.1});
+  options.maps = MapOptions{.size = 128};
+  PolygonSoup soup = make_displaced_sphere(3000, false);
+  for (const Vec3& p : soup.positions) soup.vertex_colors.emplace_back(p.x() * p.x(), 0.5, 1, 1);
+  const LodHierarchy h = build_hierarchy(mesh_of(soup), "red ball", options);
+  EXPECT_FALSE(h.levels[0].maps.has_value());
+  const HierarchyFiles files = write_hierarchy(folder.path(), h);
+  const nlohmann::json glb = json_of_glb(files.glb);
+  for (std::size_t i = 1; i < 3; ++i) {
+    const BakedMaps& maps = h.levels[i].maps.value();
+    EXPECT_DOUBLE_EQ(maps.report.search_distance, MapOptions::k_reach * h.levels[i].error.bound);
+    EXPECT_LT(h.levels[i].map_accuracy->rms, h.levels[i].map_accuracy->bare_rms);
+    EXPECT_EQ(read_whole_file(files.map_files[i].displacement), encode_png(maps.displacement));
+    EXPECT_EQ(read_whole_file(files.map_files[i].normal), encode_png(maps.normal));
+    EXPECT_EQ(read_whole_file(files.map_files[i].color), encode_png(maps.color));
+    EXPECT_EQ(read_soup(files.level_files[i]).corner_uvs.size(), maps.surface.n_corners());
+
+    const nlohmann::json& mesh = glb.at("meshes")[i];
+    const nlohmann::json& heights = mesh.at("extras").at("recede_displacement");
+    const std::string start = "red%20ball.recede/level_" + std::to_string(i);
+    EXPECT_EQ(heights.at("uri"), start + "_displacement.png");
+    EXPECT_EQ(heights.at("scale"), maps.height_scale);
+    EXPECT_EQ(heights.at("offset"), maps.height_offset);
+    ASSERT_EQ(mesh.at("primitives").size(), 1u);
+    const nlohmann::json& primitive = mesh.at("primitives")[0];
+    EXPECT_TRUE(primitive.at("attributes").contains("TANGENT"));
+    EXPECT_FALSE(primitive.at("attributes").contains("COLOR_0")) << "colours are in the map";
+    const nlohmann::json& material = glb.at("materials")[primitive.at("material").get<std::size_t>()];
+    const auto uri_of = [&](const nlohmann::json& texture) {
+      const auto source = glb.at("textures")[texture.at("index").get<std::size_t>()].at("source");
+      return glb.at("images")[source.get<std::size_t>()].at("uri").get<std::string>();
+    };
+    EXPECT_EQ(uri_of(material.at("normalTexture")), start + "_normal.png");
+    EXPECT_EQ(uri_of(material.at("pbrMetallicRoughness").at("baseColorTexture")), start + "_color.png");
+  }
+  EXPECT_FALSE(glb.at("meshes")[0].contains("extras"));
+  EXPECT_EQ(read_hierarchy(files.folder).levels.size(), 3u);
+}
+
+TEST(LodHierarchy, ANormalMapKeepsTheMaterialsOfTheInput) {
+  const test::TempFolder folder;
+  HierarchyOptions options = by_ratios({0.3});
+  options.maps = MapOptions{.displacement = false, .color = false, .size = 64};
+  PolygonSoup soup = make_displaced_sphere(1500, true);
+  soup.materials = {{"red", {1, 0, 0, 1}, "old.png"}};
+  for (const Index v : soup.corner_vertices) soup.corner_uvs.emplace_back(soup.positions[v].head<2>());
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) soup.face_materials.push_back(f % 2 == 0 ? 0 : k_no_index);
+  const LodHierarchy h = build_hierarchy(mesh_of(soup), "ball", options);
+  EXPECT_FALSE(h.levels[1].map_accuracy.has_value());
+  const nlohmann::json glb = json_of_glb(write_hierarchy(folder.path(), h).glb);
+  std::size_t with_normals = 0;
+  for (const nlohmann::json& material : glb.at("materials")) {
+    if (!material.contains("normalTexture")) continue;
+    ++with_normals;
+    EXPECT_FALSE(material.at("pbrMetallicRoughness").contains("baseColorTexture")) << "made for other uvs";
+  }
+  EXPECT_EQ(with_normals, 2u) << "red, and that of faces without one";
 }
 
 TEST(LodHierarchy, PolygonsAndNumbersComeBackFromTheFolder) {

@@ -1,8 +1,8 @@
 #include "shapes.h"
 #include <recede/geometry/error.h>
+#include <recede/geometry/shading_normals.h>
 #include <recede/render/image_difference.h>
 #include <recede/render/renderer.h>
-#include <recede/render/shading_normals.h>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

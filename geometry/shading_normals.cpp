@@ -1,4 +1,4 @@
-#include <recede/render/shading_normals.h>
+#include <recede/geometry/shading_normals.h>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>

@@ -1,0 +1,33 @@
+// Samples on a grid, as picture files hold them, and PNG files of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace recede {
+
+/// A rectangle of texels, row by row, row 0 on top. Samples are whole numbers from 0 to 2^bits - 1.
+struct Raster {
+  int width = 0, height = 0;
+  int channels = 1;   ///< 1: grey, 3: red, green, blue
+  int bits = 8;       ///< of a sample, 8 or 16
+  bool srgb = false;  ///< samples are encoded by the sRGB transfer function; else linear data
+  std::vector<std::uint16_t> samples;  ///< height x width x channels
+
+  std::uint16_t at(int x, int y, int channel = 0) const {
+    return samples[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                    static_cast<std::size_t>(x)) *
+                       static_cast<std::size_t>(channels) +
+                   static_cast<std::size_t>(channel)];
+  }
+  bool operator==(const Raster&) const = default;
+};
+
+/// The bytes of a PNG file with the same samples. A raster that isn't sRGB says nothing about its transfer
+/// function. Throws `OptionError` unless sizes, channels and bits are as said above and fit the samples, and
+/// `Error` with libpng's reason.
+std::string encode_png(const Raster& raster);
+
+}  // namespace recede
