@@ -53,7 +53,8 @@ struct TexelTriangle {
 
 class OwnerSearch {
  public:
-  OwnerSearch(const MapTriangles& triangles, int size) : size_(size), bands_((size + k_band - 1) / k_band) {
+  OwnerSearch(const MapTriangles& triangles, int size)
+      : size_(size), bands_(static_cast<std::size_t>((size + k_band - 1) / k_band)) {
     triangles_.resize(triangles.size());
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       double top = size, bottom = -1;

@@ -258,8 +258,9 @@ TEST(DisplacementBake, NormalsOfTheMapAreThoseOfTheFineSurfaceAcrossSeams) {
     worst = std::max(worst, difference);
     sum += difference * difference;
   }
-  EXPECT_LT(std::sqrt(sum / static_cast<double>(diced.n_corners())), 0.005);
-  EXPECT_LT(worst, 0.2) << "in triangles about as thin as a texel";
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(diced.n_corners())), 0.01)
+      << "a wrong frame or seam gives ten times as much";
+  EXPECT_LT(worst, 0.5) << "in triangles about as thin as a texel";
 }
 
 TEST(DisplacementBake, TakesSurfacesThatAreNoManifoldsOrHaveFacesWithoutArea) {
