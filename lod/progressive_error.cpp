@@ -254,6 +254,11 @@ void ErrorProver::cover_again(std::size_t split) {
     for (const Index face : uses_[t]) {
       if (is_touched_[face] == 0) add_triangles(face, targets_);
     }
+    // An ear of a border goes without changing other faces: those around the end that stays are near.
+    if (targets_.empty()) {
+      rings_->each(mesh_.splits[split].kept,
+                   [&](Index corner) { add_triangles(corner_face_[corner], targets_); });
+    }
     const double enough = std::max(largest_, floor_);
     if (targets_.empty()) {  // nothing is left; no bound from here on
       largest_ = std::numeric_limits<double>::infinity();

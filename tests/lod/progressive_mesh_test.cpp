@@ -275,5 +275,18 @@ TEST_P(ProgressiveModels, AreRestoredAndGiveTheSameBytesFromOneAndFromTwoThreads
 INSTANTIATE_TEST_SUITE_P(TenModels, ProgressiveModels, testing::ValuesIn(test::different_models()),
                          [](const auto& tested) { return tested.param.name; });
 
+// Ears of a border go without changing any other face.
+TEST(ProgressiveErrors, OpenSheetsHaveABoundAtEveryLevel) {
+  PolygonSoup sheet = test::grid(20, true);
+  for (Vec3& p : sheet.positions) p.z() = 0.2 * std::sin(5 * p.x()) * std::cos(4 * p.y());
+  const ProgressiveMesh mesh = build_progressive_mesh(sheet);
+  ProgressiveCursor cursor(mesh);
+  for (std::size_t level = 0; level < mesh.n_levels(); level += 1 + level / 4) {
+    EXPECT_TRUE(std::isfinite(mesh.level_errors[level])) << level;
+    cursor.move_to(level);
+    EXPECT_LE(measure_distance(sheet, cursor.soup()).max, mesh.level_errors[level] * (1 + 1e-12)) << level;
+  }
+}
+
 }  // namespace
 }  // namespace recede
