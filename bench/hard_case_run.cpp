@@ -21,17 +21,6 @@ constexpr double k_rounding = 1e-9;
 
 using test::HardCase;
 
-/// What every system of triangles gets.
-PolygonSoup triangles_of(const PolygonSoup& polygons) {
-  PolygonSoup soup;
-  soup.positions = polygons.positions;
-  soup.corner_vertices = triangulate(polygons);
-  for (std::size_t corner = 3; corner <= soup.n_corners(); corner += 3) {
-    soup.face_offsets.push_back(static_cast<Index>(corner));
-  }
-  return soup;
-}
-
 bool is_finite(const PolygonSoup& soup) {
   return std::all_of(soup.positions.begin(), soup.positions.end(),
                      [](const Vec3& p) { return p.allFinite(); });
@@ -154,7 +143,7 @@ Outcome repair_and_simplify(const PolygonSoup& soup, const SimplifyTarget& targe
 }
 
 HardCaseResult run_case(const HardCase& hard_case, const std::vector<System>& systems) {
-  const PolygonSoup input = triangles_of(hard_case.soup);
+  const PolygonSoup input = triangulated(hard_case.soup);
   HardCaseResult result{
       .name = hard_case.name, .description = hard_case.description, .faces = input.n_faces()};
   result.target =

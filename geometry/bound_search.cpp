@@ -1,4 +1,5 @@
 #include <recede/geometry/detail/bound_search.h>
+#include <recede/geometry/detail/cut_triangle.h>
 #include <recede/geometry/detail/edge_table.h>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -195,7 +196,7 @@ class BoundSearch {
     if (settle(bound, centroid, result)) return;
     if (give_up) return accept(bound, centroid, result);
     const Overhang overhang = find_overhang(t, target);
-    if (!overhang.cuts || piece.steps >= k_most_steps) return cut_in_four(piece, near);
+    if (!overhang.cuts || piece.steps >= k_most_steps) return push_quarters(piece, near);
     const Index neighbour = across_[3 * near + static_cast<Index>(overhang.side)];
     push_halves(piece, overhang.heights, near, neighbour == k_no_index ? near : neighbour);
   }
@@ -238,35 +239,13 @@ class BoundSearch {
   /// The parts of a triangle below and above height 0, as triangles.
   void push_halves(const Piece& piece, const std::array<double, 3>& heights, Index near_below,
                    Index near_above) {
-    const std::array<Vec3, 3> corners{piece.corners.a, piece.corners.b, piece.corners.c};
-    for (const double sign : {1.0, -1.0}) {
-      std::array<Vec3, 4> part;
-      std::size_t n = 0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t j = (i + 1) % 3;
-        const double hi = sign * heights[i], hj = sign * heights[j];
-        if (hi >= 0) part[n++] = corners[i];
-        // Always from the lower corner to the upper one, so that both parts get the same point.
-        if ((hi < 0) != (hj < 0) && hi != 0 && hj != 0) {
-          const auto [low, high] = heights[i] < heights[j] ? std::pair{i, j} : std::pair{j, i};
-          const double share = heights[low] / (heights[low] - heights[high]);
-          part[n++] = corners[low] + share * (corners[high] - corners[low]);
-        }
-      }
-      const Index near = sign > 0 ? near_above : near_below;
-      const int steps = piece.steps + (sign > 0 ? 1 : 0);
-      if (n >= 3) pieces_.push_back({{part[0], part[1], part[2]}, near, steps});
-      if (n == 4) pieces_.push_back({{part[0], part[2], part[3]}, near, steps});
-    }
+    cut_triangle(piece.corners, heights, [&](const Triangle& part, bool is_above) {
+      pieces_.push_back({part, is_above ? near_above : near_below, piece.steps + (is_above ? 1 : 0)});
+    });
   }
 
-  void cut_in_four(const Piece& piece, Index near) {
-    const Triangle& t = piece.corners;
-    const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);
-    pieces_.push_back({{t.a, ab, ca}, near, 0});
-    pieces_.push_back({{ab, t.b, bc}, near, 0});
-    pieces_.push_back({{ca, bc, t.c}, near, 0});
-    pieces_.push_back({{ab, bc, ca}, near, 0});
+  void push_quarters(const Piece& piece, Index near) {
+    for (const Triangle& part : cut_in_four(piece.corners)) pieces_.push_back({part, near, 0});
   }
 
   const Surface& to_;

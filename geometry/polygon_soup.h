@@ -100,4 +100,7 @@ Box3 bounding_box(const PolygonSoup& soup);
 std::vector<Index> triangulate(const PolygonSoup& soup, std::vector<Index>* triangle_faces = nullptr,
                                std::vector<Index>* triangle_corners = nullptr);
 
+/// The same triangles as a soup over the same positions, without attributes.
+PolygonSoup triangulated(const PolygonSoup& soup);
+
 }  // namespace recede

@@ -195,4 +195,15 @@ std::vector<Index> triangulate(const PolygonSoup& soup, std::vector<Index>* tria
   return indices;
 }
 
+PolygonSoup triangulated(const PolygonSoup& soup) {
+  PolygonSoup triangles;
+  triangles.positions = soup.positions;
+  triangles.corner_vertices = triangulate(soup);
+  triangles.face_offsets.resize(triangles.n_corners() / 3 + 1);
+  for (std::size_t t = 0; t < triangles.face_offsets.size(); ++t) {
+    triangles.face_offsets[t] = static_cast<Index>(3 * t);
+  }
+  return triangles;
+}
+
 }  // namespace recede

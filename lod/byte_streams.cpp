@@ -1,5 +1,6 @@
 #include <recede/lod/detail/byte_streams.h>
 
+#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -140,18 +141,8 @@ ByteStreams ByteStreams::unpack(std::string_view packed) {
 }
 
 std::uint32_t crc32(std::string_view bytes) {
-  static const std::array<std::uint32_t, 256> table = [] {
-    std::array<std::uint32_t, 256> result{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      std::uint32_t value = i;
-      for (int bit = 0; bit < 8; ++bit) value = (value & 1) != 0 ? 0xedb88320u ^ (value >> 1) : value >> 1;
-      result[i] = value;
-    }
-    return result;
-  }();
-  std::uint32_t crc = 0xffffffffu;
-  for (const char c : bytes) crc = table[(crc ^ static_cast<std::uint8_t>(c)) & 0xff] ^ (crc >> 8);
-  return crc ^ 0xffffffffu;
+  return static_cast<std::uint32_t>(
+      ::crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace recede::detail

@@ -20,14 +20,14 @@ enum Flag : std::uint32_t {
 };
 
 /// Fields one after the other, as bytes of one kind.
-template <bool writes>
 struct FieldCoder {
   ByteStreams& streams;
+  bool writes;
 
   template <typename Integer>
   void integer(Integer& value) {
     for (std::size_t i = 0; i < sizeof(Integer); ++i) {
-      if constexpr (writes)
+      if (writes)
         streams.put(ByteKind::raw, static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i)));
       else
         value = static_cast<Integer>(
@@ -43,7 +43,7 @@ struct FieldCoder {
   void text(std::string& value) {
     auto size = static_cast<std::uint32_t>(value.size());
     integer(size);
-    if constexpr (!writes) {
+    if (!writes) {
       if (size > streams.left(ByteKind::raw)) throw std::out_of_range("a text is longer than the header");
       value.resize(size);
     }
@@ -57,7 +57,7 @@ struct FieldCoder {
   void list(List& values, Visit&& visit) {
     auto size = static_cast<std::uint32_t>(values.size());
     integer(size);
-    if constexpr (!writes) {
+    if (!writes) {
       if (size > streams.left(ByteKind::raw)) throw std::out_of_range("a list is longer than the header");
       values.resize(size);
     }
@@ -83,12 +83,11 @@ struct FieldCoder {
 
 }  // namespace
 
-template <bool writes>
-void PmeshCodec<writes>::code_header(ByteStreams& streams, PmeshHeader& header) {
-  FieldCoder<writes> fields{streams};
+void PmeshCodec::code_header(ByteStreams& streams, PmeshHeader& header, bool writes) {
+  FieldCoder fields{streams, writes};
   std::uint32_t flags = 0;
   const auto flag = [&](bool& value, Flag bit) {
-    if constexpr (writes)
+    if (writes)
       flags |= value ? bit : 0u;
     else
       value = (flags & bit) != 0;
@@ -103,10 +102,10 @@ void PmeshCodec<writes>::code_header(ByteStreams& streams, PmeshHeader& header) 
     flag(header.errors_are_proved, k_proved);
     flag(header.has_numbering, k_numbering);
   };
-  if constexpr (writes) code_flags();
+  if (writes) code_flags();
   fields.integer(flags);
   require(flags < k_last_flag, "the header has flags of a later version");
-  if constexpr (!writes) code_flags();
+  if (!writes) code_flags();
   fields.integer(header.n_splits);
   fields.integer(header.n_batches);
   fields.real(header.quantisation_error);
@@ -126,8 +125,5 @@ void PmeshCodec<writes>::code_header(ByteStreams& streams, PmeshHeader& header) 
     fields.text(material.base_color_texture);
   });
 }
-
-template void PmeshCodec<true>::code_header(ByteStreams&, PmeshHeader&);
-template void PmeshCodec<false>::code_header(ByteStreams&, PmeshHeader&);
 
 }  // namespace recede::detail

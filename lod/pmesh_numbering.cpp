@@ -242,7 +242,7 @@ void close(SplitRows<Entry>& rows) {
 /// Puts what a codec has read into the lists of a progressive mesh.
 class Assembler {
  public:
-  Assembler(const PmeshCodec<false>& codec, const PmeshNumbering* numbering)
+  Assembler(const PmeshCodec& codec, const PmeshNumbering* numbering)
       : codec_(codec),
         table_(codec.table()),
         numbering_(numbering),
@@ -269,7 +269,7 @@ class Assembler {
   void name_splits();
   void finish();
 
-  const PmeshCodec<false>& codec_;
+  const PmeshCodec& codec_;
   const PmeshTable& table_;
   const PmeshNumbering* numbering_;
   const ProgressiveMesh& read_;
@@ -416,7 +416,7 @@ void Assembler::finish() {
 
 }  // namespace
 
-ProgressiveMesh assemble(const PmeshCodec<false>& codec, const PmeshNumbering* numbering) {
+ProgressiveMesh assemble(const PmeshCodec& codec, const PmeshNumbering* numbering) {
   return Assembler(codec, numbering).run();
 }
 

@@ -21,7 +21,7 @@ struct PmeshReader::State {
   bool has_started = false, is_complete = false;
   std::size_t n_batches = 0;  // with the base
   std::optional<PmeshHeader> header;
-  std::optional<PmeshCodec<false>> codec;
+  std::optional<PmeshCodec> codec;
   std::optional<detail::PmeshNumbering> numbering;
 
   [[noreturn]] void fail(const std::string& reason) const { throw InputError::at_byte(name, offset, reason); }
@@ -80,10 +80,10 @@ void PmeshReader::State::read_payload(std::string_view kind, std::string_view pa
 void PmeshReader::State::read_known(std::string_view kind, ByteStreams& streams) {
   if (!header) {
     if (kind != detail::k_chunk_head) fail("the header doesn't come first");
-    PmeshCodec<false>::code_header(streams, header.emplace());
+    PmeshCodec::code_header(streams, header.emplace(), false);
   } else if (!codec) {
     if (kind != detail::k_chunk_base) fail("the base doesn't follow the header");
-    codec.emplace(*header).code_base(streams);
+    codec.emplace(*header, false).code_base(streams);
     ++n_batches;
   } else if (kind == detail::k_chunk_splits) {
     if (n_batches > header->n_batches || numbering) fail("more batches than the header says");

@@ -284,9 +284,9 @@ std::string encode_pmesh(const ProgressiveMesh& mesh, const PmeshOptions& option
   writer.report().positions = name_of(header.positions.form);
   writer.report().largest_move = header.quantisation_error;
   ByteStreams head;
-  PmeshCodec<true>::code_header(head, header);
+  PmeshCodec::code_header(head, header, true);
   writer.add(detail::k_chunk_head, head);
-  PmeshCodec<true> codec(header);
+  PmeshCodec codec(header, true);
   codec.start(mesh);
   ByteStreams base;
   codec.code_base(base);

@@ -157,11 +157,8 @@ void ErrorProver::start() {
     corner_face_.insert(corner_face_.end(), mesh_.face_offsets[f + 1] - mesh_.face_offsets[f], f);
     if (cursor_.is_face_alive(f)) add_triangles(f, all);
   }
-  const PolygonSoup level = cursor_.soup();
-  PolygonSoup soup;
-  for (const Vec3& p : level.positions) soup.positions.push_back(scaled(p));
-  soup.corner_vertices = triangulate(level);
-  for (std::size_t c = 3; c <= soup.n_corners(); c += 3) soup.face_offsets.push_back(static_cast<Index>(c));
+  PolygonSoup soup = triangulated(cursor_.soup());
+  for (Vec3& p : soup.positions) p = scaled(p);
   fine_.emplace(std::move(soup));
   users_.resize(mesh_.n_faces());
   is_touched_.assign(mesh_.n_faces(), 0);

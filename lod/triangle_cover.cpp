@@ -2,6 +2,7 @@
 // distance to one triangle is convex, so over a piece it is largest at the piece's corners, and the distance
 // to the patch is at most the least of these. Pieces for which that isn't good enough are cut along the prism
 // over the triangle nearest to their middle, else into four.
+#include <recede/geometry/detail/cut_triangle.h>
 #include <recede/lod/detail/triangle_cover.h>
 
 #include <algorithm>
@@ -68,7 +69,8 @@ void TriangleCover::settle(const Piece& piece, std::span<const FaceTriangle> tar
   if (bound <= (1 + k_tolerance) * lower_ || ++steps_ > k_most_steps || piece.depth >= k_most_depth) {
     return accept(bound, best->face);
   }
-  if (!cut_along_prism(piece, nearest->corners)) cut_in_four(piece);
+  if (cut_along_prism(piece, nearest->corners)) return;
+  for (const Triangle& part : cut_in_four(piece.corners)) pieces_.push_back({part, piece.depth + 1});
 }
 
 /// Cuts by the plane through that side of the target, upright on it, beyond which a corner lies farthest.
@@ -91,31 +93,10 @@ bool TriangleCover::cut_along_prism(const Piece& piece, const Triangle& target) 
   }
   // What a cut takes off must be worth it.
   if (farthest <= 1e-6 * (corners[1] - corners[0]).norm()) return false;
-  for (const double sign : {1.0, -1.0}) {
-    std::array<Vec3, 4> part;
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t j = (i + 1) % 3;
-      const double hi = sign * heights[i], hj = sign * heights[j];
-      if (hi >= 0) part[n++] = corners[i];
-      if ((hi < 0) != (hj < 0) && hi != 0 && hj != 0) {
-        part[n++] = corners[i] + hi / (hi - hj) * (corners[j] - corners[i]);
-      }
-    }
-    if (n >= 3) pieces_.push_back({{part[0], part[1], part[2]}, piece.depth + 1});
-    if (n == 4) pieces_.push_back({{part[0], part[2], part[3]}, piece.depth + 1});
-  }
+  cut_triangle(piece.corners, heights, [&](const Triangle& part, bool) {
+    pieces_.push_back({part, piece.depth + 1});
+  });
   return true;
-}
-
-void TriangleCover::cut_in_four(const Piece& piece) {
-  const Triangle& t = piece.corners;
-  const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);
-  const int depth = piece.depth + 1;
-  pieces_.push_back({{t.a, ab, ca}, depth});
-  pieces_.push_back({{ab, t.b, bc}, depth});
-  pieces_.push_back({{ca, bc, t.c}, depth});
-  pieces_.push_back({{ab, bc, ca}, depth});
 }
 
 }  // namespace recede::detail

@@ -7,6 +7,7 @@
 #include <recede/lod/detail/pmesh_table.h>
 #include <recede/lod/progressive_mesh.h>
 
+#include <limits>
 #include <stdexcept>
 
 namespace recede::detail {
@@ -30,14 +31,16 @@ struct PmeshNumbers {
   std::vector<Index> file_vertex, file_face, file_corner, file_wedge;  ///< k_no_index: not written yet
 };
 
-template <bool writes>
+/// Bits of the shape of a split; none: labels follow.
+enum SplitShape : std::uint8_t { k_run = 1, k_triangle_first = 2, k_triangle_last = 4, k_part = 8 };
+
 class PmeshCodec {
  public:
-  explicit PmeshCodec(PmeshHeader header) : header_(std::move(header)) {}
+  PmeshCodec(PmeshHeader header, bool writes) : header_(std::move(header)), writes_(writes) {}
   /// Writing: takes the numbers of `mesh`, which must live as long.
   void start(const ProgressiveMesh& mesh);
 
-  static void code_header(ByteStreams& streams, PmeshHeader& header);
+  static void code_header(ByteStreams& streams, PmeshHeader& header, bool writes);
   void code_base(ByteStreams& streams);
   /// Splits of one batch, by their numbers in the mesh; reading finds them in the stream. Layers, where
   /// given, hold splits that don't depend on each other, and are put into the order of the vertices that they
@@ -55,10 +58,25 @@ class PmeshCodec {
 
  private:
   // Numbers and lists one by one: written, or read and set.
-  void byte(ByteKind kind, std::uint8_t& value);
+  void byte(ByteKind kind, std::uint8_t& value) {
+    if (writes_)
+      streams_->put(kind, value);
+    else
+      value = streams_->take(kind);
+  }
   template <typename Number>
-  void varint(ByteKind kind, Number& value);
-  void planes(ByteKind kind, std::uint64_t& value, std::size_t n);
+  void varint(ByteKind kind, Number& value) {
+    if (writes_) return streams_->put_varint(kind, value);
+    const std::uint64_t taken = streams_->take_varint(kind);
+    require(taken <= std::numeric_limits<Number>::max(), "a number is too large");
+    value = static_cast<Number>(taken);
+  }
+  void planes(ByteKind kind, std::uint64_t& value, std::size_t n) {
+    if (writes_)
+      streams_->put_planes(kind, value, n);
+    else
+      value = streams_->take_planes(kind, n);
+  }
   void number(ByteKind kind, const NumberLattice& lattice, double predicted, double& value);
   static void require(bool condition, const char* reason) {
     if (!condition) throw std::out_of_range(reason);
@@ -87,6 +105,7 @@ class PmeshCodec {
   void note_split(Index kept, Index removed);
 
   PmeshHeader header_;
+  bool writes_;
   PmeshTable table_;
   ByteStreams* streams_ = nullptr;
 
@@ -127,8 +146,5 @@ class PmeshCodec {
   ProgressiveMesh read_;
   std::vector<Index> first_vertex_, first_wedge_;  // by corner: as it came
 };
-
-extern template class PmeshCodec<true>;
-extern template class PmeshCodec<false>;
 
 }  // namespace recede::detail

@@ -30,6 +30,6 @@ void code_numbering(ByteStreams& streams, const PmeshHeader& header, const Pmesh
                     PmeshNumbering& numbering);
 
 /// The mesh that a codec has read so far, in the numbers of the input when there is a numbering.
-ProgressiveMesh assemble(const PmeshCodec<false>& codec, const PmeshNumbering* numbering);
+ProgressiveMesh assemble(const PmeshCodec& codec, const PmeshNumbering* numbering);
 
 }  // namespace recede::detail

@@ -31,7 +31,6 @@ class TriangleCover {
   void settle(const Piece& piece, std::span<const FaceTriangle> targets);
   void accept(double bound, Index face);
   bool cut_along_prism(const Piece& piece, const Triangle& target);
-  void cut_in_four(const Piece& piece);
 
   std::vector<Piece> pieces_;
   std::vector<Index> used_;

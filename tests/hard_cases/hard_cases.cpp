@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <ostream>
 #include <random>
 
 namespace recede::test {
@@ -330,5 +331,7 @@ std::vector<HardCase> large_hard_cases() {
       {"large_wound_wrong", "wavy sheet, a third of the faces flipped", wound_wrong(wavy_sheet(60), 1)},
   };
 }
+
+void PrintTo(const HardCase& hard_case, std::ostream* out) { *out << hard_case.name; }
 
 }  // namespace recede::test

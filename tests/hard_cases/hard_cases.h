@@ -3,6 +3,7 @@
 
 #include <recede/geometry/polygon_soup.h>
 
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct HardCase {
   std::string refusal{};     ///< part of the error text when no operation may take it; empty: all must
   bool closed_flat = false;  ///< simplification may not change the surface at all
 };
+/// For the names of tests.
+void PrintTo(const HardCase& hard_case, std::ostream* out);
 
 /// All cases, a few hundred to some thousand faces each.
 std::vector<HardCase> hard_cases();

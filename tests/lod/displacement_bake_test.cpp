@@ -248,19 +248,19 @@ TEST(DisplacementBake, TheBunnysMapsAreNearAndTheirSeamsClosed) {
 
 TEST(DisplacementBake, NormalsOfTheMapAreThoseOfTheFineSurfaceAcrossSeams) {
   PolygonSoup fine = make_displaced_sphere(20000, true);
+  const PolygonSoup coarse = simplified(fine, 0.05).soup;
   for (const Index v : fine.corner_vertices) fine.corner_normals.push_back(fine.positions[v].normalized());
-  const BakedMaps maps = bake_maps(fine, simplified(fine, 0.05).soup, {.size = 512});
+  const BakedMaps maps = bake_maps(fine, coarse, {.size = 512});
   const PolygonSoup diced = dice_surface(maps, {.parts = 6});
-  double worst = 0, sum = 0;
+  std::vector<double> differences;
   for (std::size_t c = 0; c < diced.n_corners(); ++c) {
     const Vec3 expected = diced.positions[diced.corner_vertices[c]].normalized();
-    const double difference = (diced.corner_normals[c] - expected).norm();
-    worst = std::max(worst, difference);
-    sum += difference * difference;
+    differences.push_back((diced.corner_normals[c] - expected).norm());
   }
-  EXPECT_LT(std::sqrt(sum / static_cast<double>(diced.n_corners())), 0.01)
-      << "a wrong frame or seam gives ten times as much";
-  EXPECT_LT(worst, 0.5) << "in triangles about as thin as a texel";
+  // A wrong frame or a seam would be off by tenths in many places. Points of triangles about as thin as a
+  // texel are so singly.
+  std::sort(differences.begin(), differences.end());
+  EXPECT_LT(differences[differences.size() * 99 / 100], 0.01);
 }
 
 TEST(DisplacementBake, TakesSurfacesThatAreNoManifoldsOrHaveFacesWithoutArea) {

@@ -90,21 +90,6 @@ TEST_P(ProgressiveHardCases, RestoreTheInput) {
 
 INSTANTIATE_TEST_SUITE_P(All, ProgressiveHardCases, testing::ValuesIn(test::hard_cases()), test::case_name);
 
-/// The polygons as lists of positions, wherever they start and in whatever order.
-std::vector<std::vector<std::array<double, 3>>> polygons_of(const PolygonSoup& soup) {
-  std::vector<std::vector<std::array<double, 3>>> polygons;
-  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
-    auto& polygon = polygons.emplace_back();
-    for (const Index v : soup.face(f)) {
-      const Vec3& p = soup.positions[v];
-      polygon.push_back({p.x(), p.y(), p.z()});
-    }
-    std::rotate(polygon.begin(), std::min_element(polygon.begin(), polygon.end()), polygon.end());
-  }
-  std::sort(polygons.begin(), polygons.end());
-  return polygons;
-}
-
 TEST(ProgressiveMesh, HasTheBaseThatSimplifyGives) {
   for (const PolygonSoup& soup : {make_displaced_sphere(3000, true), make_displaced_sphere(3000, false),
                                   test::hexagon_sheet(12), test::double_sided_sheet(8)}) {
@@ -112,7 +97,7 @@ TEST(ProgressiveMesh, HasTheBaseThatSimplifyGives) {
       options.simplify.target.ratio = 0.2;
       const ProgressiveMesh mesh = build_progressive_mesh(soup, options);
       const PolygonSoup base = ProgressiveCursor(mesh).soup();
-      EXPECT_EQ(polygons_of(base), polygons_of(simplify(soup, options.simplify).soup));
+      EXPECT_EQ(test::polygons_of(base), test::polygons_of(simplify(soup, options.simplify).soup));
     }
   }
 }
@@ -183,18 +168,6 @@ TEST(ProgressiveMesh, CornersComeBackBetweenTheNeighboursThatTheyHad) {
   EXPECT_GT(seen, 20u);
 }
 
-/// The triangles that stand for the polygons: cut once, before measuring moves them into a frame of its own
-/// where equally good diagonals may trade places.
-PolygonSoup cut_into_triangles(const PolygonSoup& soup) {
-  PolygonSoup triangles;
-  triangles.positions = soup.positions;
-  triangles.corner_vertices = triangulate(soup);
-  for (std::size_t c = 3; c <= triangles.n_corners(); c += 3) {
-    triangles.face_offsets.push_back(static_cast<Index>(c));
-  }
-  return triangles;
-}
-
 void expect_errors_hold(const PolygonSoup& soup, ProgressiveOptions options) {
   options.simplify.prove_error = true;
   const ProgressiveMesh mesh = build_progressive_mesh(soup, options);
@@ -204,7 +177,9 @@ void expect_errors_hold(const PolygonSoup& soup, ProgressiveOptions options) {
   ProgressiveCursor cursor(mesh);
   for (std::size_t i = 0; i <= 8; ++i) {
     cursor.move_to(i * mesh.n_splits() / 8);
-    const MeshDistance d = measure_distance(cut_into_triangles(soup), cut_into_triangles(cursor.soup()),
+    // Cut once, before measuring moves them into a frame of its own where equally good diagonals may trade
+    // places.
+    const MeshDistance d = measure_distance(triangulated(soup), triangulated(cursor.soup()),
                                             {.samples = 20'000, .bound_tolerance = 0.05});
     EXPECT_GE(cursor.error() * (1 + 1e-9) + 1e-12 * d.diagonal, d.max_lower)
         << "level " << cursor.level() << " of " << soup.n_faces() << " faces, "

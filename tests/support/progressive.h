@@ -73,4 +73,19 @@ inline void repair_checksums(std::string& bytes) {
   }
 }
 
+/// The polygons as lists of positions, wherever they start and in whatever order.
+inline std::vector<std::vector<std::array<double, 3>>> polygons_of(const PolygonSoup& soup) {
+  std::vector<std::vector<std::array<double, 3>>> polygons;
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    auto& polygon = polygons.emplace_back();
+    for (const Index v : soup.face(f)) {
+      const Vec3& p = soup.positions[v];
+      polygon.push_back({p.x(), p.y(), p.z()});
+    }
+    std::rotate(polygon.begin(), std::min_element(polygon.begin(), polygon.end()), polygon.end());
+  }
+  std::sort(polygons.begin(), polygons.end());
+  return polygons;
+}
+
 }  // namespace recede::test
