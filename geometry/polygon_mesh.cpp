@@ -1,4 +1,5 @@
 #include <recede/geometry/detail/edge_table.h>
+#include <recede/geometry/disjoint_sets.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/polygon_mesh.h>
 
@@ -6,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace recede {
 
@@ -44,31 +44,18 @@ bool is_paired(const PolygonSoup& soup, std::span<const Index> sides) {
   return sides.size() == 2 && soup.corner_vertices[sides[0]] != soup.corner_vertices[sides[1]];
 }
 
-Index find_root(std::vector<Index>& parents, Index i) {
-  while (parents[i] != i) i = parents[i] = parents[parents[i]];
-  return i;
-}
-
-/// The lower root wins, so that every set is named by its lowest member.
-void unite(std::vector<Index>& parents, Index a, Index b) {
-  a = find_root(parents, a);
-  b = find_root(parents, b);
-  if (a < b) parents[b] = a;
-  if (b < a) parents[a] = b;
-}
-
 /// For every corner the lowest corner of its fan: the corners around one vertex that paired edges connect.
 std::vector<Index> fans(const PolygonSoup& soup, const EdgeTable& edges) {
-  std::vector<Index> parents(soup.n_corners());
-  std::iota(parents.begin(), parents.end(), Index{0});
+  DisjointSets sets(soup.n_corners());
   for (std::size_t e = 0; e < edges.n_edges(); ++e) {
     const auto sides = edges.sides(e);
     if (!is_paired(soup, sides)) continue;
-    unite(parents, sides[0], next_corner(soup, edges.corner_faces, sides[1]));
-    unite(parents, sides[1], next_corner(soup, edges.corner_faces, sides[0]));
+    sets.unite(sides[0], next_corner(soup, edges.corner_faces, sides[1]));
+    sets.unite(sides[1], next_corner(soup, edges.corner_faces, sides[0]));
   }
-  for (std::size_t c = 0; c < parents.size(); ++c) parents[c] = find_root(parents, static_cast<Index>(c));
-  return parents;
+  std::vector<Index> lowest(soup.n_corners());
+  for (Index c = 0; c < lowest.size(); ++c) lowest[c] = sets.find(c);
+  return lowest;
 }
 
 /// Feature edges of split vertices hold for every copy: named again through the sides that lie on them.
@@ -370,8 +357,7 @@ std::size_t mark_feature_edges(PolygonMesh& mesh, double angle) {
     if (mesh.is_boundary(e)) continue;
     const Vec3& a = areas[static_cast<std::size_t>(mesh.face_handle(mesh.halfedge_handle(e, 0)).idx())];
     const Vec3& b = areas[static_cast<std::size_t>(mesh.face_handle(mesh.halfedge_handle(e, 1)).idx())];
-    // The arc tangent keeps its precision at every angle, where an arc cosine loses it near 0.
-    if (std::atan2(a.cross(b).norm(), a.dot(b)) <= angle) continue;
+    if (angle_between(a, b) <= angle) continue;
     mesh.set_feature_edge(e, true);
     ++marked;
   }
@@ -397,17 +383,16 @@ std::size_t count_border_loops(const PolygonMesh& mesh) {
 
 /// Parts that share no vertex, vertices without faces left out.
 std::size_t count_components(const PolygonMesh& mesh) {
-  std::vector<Index> parents(mesh.n_vertices());
-  std::iota(parents.begin(), parents.end(), Index{0});
+  DisjointSets parts(mesh.n_vertices());
   for (const auto e : mesh.edges()) {
     const Halfedge h = mesh.halfedge_handle(e, 0);
-    unite(parents, static_cast<Index>(mesh.from_vertex_handle(h).idx()),
-          static_cast<Index>(mesh.to_vertex_handle(h).idx()));
+    parts.unite(static_cast<Index>(mesh.from_vertex_handle(h).idx()),
+                static_cast<Index>(mesh.to_vertex_handle(h).idx()));
   }
   std::size_t components = 0;
   for (const auto v : mesh.vertices()) {
     const auto i = static_cast<Index>(v.idx());
-    if (parents[i] == i && !mesh.is_isolated(v)) ++components;
+    if (parts.find(i) == i && !mesh.is_isolated(v)) ++components;
   }
   return components;
 }

@@ -1,3 +1,4 @@
+#include <recede/geometry/disjoint_sets.h>
 #include <recede/geometry/shading_normals.h>
 
 #include <tbb/parallel_for.h>
@@ -5,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <tuple>
 
 namespace recede {
 
@@ -20,33 +21,6 @@ struct Side {
     return std::tie(a.low, a.high, a.from) < std::tie(b.low, b.high, b.from);
   }
   bool same_edge(const Side& other) const { return low == other.low && high == other.high; }
-};
-
-// Sets of corners that share one normal.
-class CornerSets {
- public:
-  explicit CornerSets(std::size_t corners) : parent_(corners) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index find(Index corner) {
-    while (parent_[corner] != corner) {
-      parent_[corner] = parent_[parent_[corner]];
-      corner = parent_[corner];
-    }
-    return corner;
-  }
-  // The lower index leads, so that the outcome is the same in any order of joins.
-  void join(Index a, Index b) {
-    a = find(a);
-    b = find(b);
-    if (a < b)
-      parent_[b] = a;
-    else
-      parent_[a] = b;
-  }
-
- private:
-  std::vector<Index> parent_;
 };
 
 std::vector<Vec3> unit_face_normals(const PolygonSoup& soup) {
@@ -72,11 +46,12 @@ std::vector<Side> sorted_sides(const PolygonSoup& soup) {
   return sides;
 }
 
-CornerSets join_across_smooth_edges(const PolygonSoup& soup, const std::vector<Vec3>& face_normals,
-                                    double crease_angle) {
+/// Sets of corners that share one normal.
+DisjointSets join_across_smooth_edges(const PolygonSoup& soup, const std::vector<Vec3>& face_normals,
+                                      double crease_angle) {
   const std::vector<Side> sides = sorted_sides(soup);
   const double least_cosine = std::cos(crease_angle);
-  CornerSets sets(soup.n_corners());
+  DisjointSets sets(soup.n_corners());
   for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
     end = begin + 1;
     while (end < sides.size() && sides[end].same_edge(sides[begin])) ++end;
@@ -85,8 +60,8 @@ CornerSets join_across_smooth_edges(const PolygonSoup& soup, const std::vector<V
     const Side& b = sides[begin + 1];
     const bool consistent = soup.corner_vertices[a.from] == soup.corner_vertices[b.to];
     if (!consistent || face_normals[a.face].dot(face_normals[b.face]) < least_cosine) continue;
-    sets.join(a.from, b.to);
-    sets.join(a.to, b.from);
+    sets.unite(a.from, b.to);
+    sets.unite(a.to, b.from);
   }
   return sets;
 }
@@ -97,14 +72,14 @@ double corner_angle(const PolygonSoup& soup, Index first, Index end, Index corne
   const Vec3& here = soup.positions[soup.corner_vertices[corner]];
   const Vec3 a = (soup.positions[soup.corner_vertices[before]] - here).stableNormalized();
   const Vec3 b = (soup.positions[soup.corner_vertices[after]] - here).stableNormalized();
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  return angle_between(a, b);
 }
 
 }  // namespace
 
 std::vector<Vec3> shading_normals(const PolygonSoup& soup, double crease_angle) {
   const std::vector<Vec3> face_normals = unit_face_normals(soup);
-  CornerSets sets = join_across_smooth_edges(soup, face_normals, crease_angle);
+  DisjointSets sets = join_across_smooth_edges(soup, face_normals, crease_angle);
   std::vector<Vec3> normals(soup.n_corners(), Vec3::Zero());
   for (std::size_t face = 0; face < soup.n_faces(); ++face) {
     const Index first = soup.face_offsets[face], end = soup.face_offsets[face + 1];

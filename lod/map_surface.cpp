@@ -70,7 +70,7 @@ double angle_at(const PolygonSoup& soup, const std::array<Index, 3>& corners, st
   };
   const Vec3 a = (position(k + 1) - position(k)).stableNormalized();
   const Vec3 b = (position(k + 2) - position(k)).stableNormalized();
-  return std::atan2(a.cross(b).norm(), a.dot(b));
+  return angle_between(a, b);
 }
 
 Vec3 normal_of(const PolygonSoup& soup, const std::array<Index, 3>& corners) {

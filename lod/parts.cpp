@@ -1,4 +1,5 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/geometry/disjoint_sets.h>
 #include <recede/lod/detail/parts.h>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -24,20 +25,13 @@ struct Parts {
 };
 
 Parts find_parts(const CornerTable& table) {
-  std::vector<Index> parents(table.n_points(), k_no_index);
-  const auto root_of = [&](Index p) {
-    while (parents[p] != p) p = parents[p] = parents[parents[p]];
-    return p;
-  };
-  for (const Index p : table.point) {
-    if (p != k_no_index) parents[p] = p;
-  }
+  DisjointSets sets(table.n_points());
+  std::vector<bool> is_alive(table.n_points(), false);
   for (Index f = 0; f < table.n_faces(); ++f) {
     if (!table.is_face_alive(f)) continue;
     table.each_corner_of_face(f, [&](Index c) {
-      const std::pair<Index, Index> roots =
-          std::minmax(root_of(table.point[c]), root_of(table.point_after(c)));
-      parents[roots.second] = roots.first;
+      is_alive[table.point[c]] = true;
+      sets.unite(table.point[c], table.point_after(c));
     });
   }
   // Parts are numbered by their lowest points.
@@ -45,8 +39,8 @@ Parts find_parts(const CornerTable& table) {
   parts.of_point.assign(table.n_points(), k_no_index);
   parts.start.push_back(0);
   for (Index p = 0; p < table.n_points(); ++p) {
-    if (parents[p] == k_no_index) continue;
-    const Index root = root_of(p);
+    if (!is_alive[p]) continue;
+    const Index root = sets.find(p);
     if (root == p) {
       parts.of_point[p] = static_cast<Index>(parts.size());
       parts.start.push_back(0);
