@@ -135,6 +135,9 @@ std::vector<System> all_systems() {
 #ifdef RECEDE_BENCH_CGAL
   add_cgal(systems);
 #endif
+#ifdef RECEDE_BENCH_VTK
+  add_vtk(systems);
+#endif
   add_openmesh(systems);
   return systems;
 }

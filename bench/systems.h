@@ -49,6 +49,8 @@ void add_meshoptimizer(std::vector<System>& systems);
 void add_openmesh(std::vector<System>& systems);
 /// Only in builds with CGAL's GPL packages.
 void add_cgal(std::vector<System>& systems);
+/// Only where VTK is installed.
+void add_vtk(std::vector<System>& systems);
 
 /// Measures wall clock, processor time and memory from its construction to `stop`.
 class CallMeter {

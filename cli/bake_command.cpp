@@ -23,7 +23,7 @@ struct BakeOptions {
   std::string up;
   bool no_report = false;
   std::vector<std::string> maps;  // names
-  int map_size = MapOptions{}.size;
+  int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
 
 const std::vector<double> k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
@@ -113,7 +113,8 @@ std::optional<MapOptions> map_options(const BakeOptions& options) {
   return MapOptions{.displacement = wanted("displacement"),
                     .normal = wanted("normal"),
                     .color = wanted("color"),
-                    .size = options.map_size};
+                    .size = options.map_size,
+                    .normal_bits = options.map_normal_bits};
 }
 
 void run(BakeOptions options) {
@@ -198,6 +199,11 @@ void add_bake_command(CLI::App& app) {
       ->group(maps);
   command->add_option("--map-size", options->map_size, "texels along each side (1024)")
       ->check(CLI::Range(4, 16384))
+      ->group(maps);
+  command
+      ->add_option("--map-normal-bits", options->map_normal_bits,
+                   "bits of a sample of normal maps: 8 (default) or 16")
+      ->check(CLI::IsMember({8, 16}))
       ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
