@@ -1,5 +1,6 @@
 #include <recede/geometry/detail/bound_search.h>
 #include <recede/lod/detail/error_proof.h>
+#include <recede/lod/detail/linked_level.h>
 #include <recede/lod/detail/progressive_error.h>
 #include <recede/lod/detail/triangle_cover.h>
 
@@ -21,41 +22,6 @@ constexpr double k_rounding = 1e-12;
 /// takes hardly any time.
 constexpr std::size_t k_first_block = 256, k_largest_block = 8192;
 
-/// The corners at each vertex of a level, to find faces beside others.
-class CornerRings {
- public:
-  CornerRings(const ProgressiveMesh& mesh, const ProgressiveCursor& cursor)
-      : next_(mesh.corner_vertices.size(), k_no_index),
-        previous_(next_.size(), k_no_index),
-        first_(mesh.positions.size(), k_no_index) {
-    for (Index f = 0; f < mesh.n_faces(); ++f) {
-      for (Index c = mesh.face_offsets[f]; c < mesh.face_offsets[f + 1]; ++c) {
-        if (cursor.is_face_alive(f) && cursor.is_corner_alive(c)) link(c, cursor.corner_vertices()[c]);
-      }
-    }
-  }
-  void link(Index corner, Index vertex) {
-    next_[corner] = first_[vertex];
-    previous_[corner] = k_no_index;
-    if (first_[vertex] != k_no_index) previous_[first_[vertex]] = corner;
-    first_[vertex] = corner;
-  }
-  void unlink(Index corner, Index vertex) {
-    if (previous_[corner] == k_no_index)
-      first_[vertex] = next_[corner];
-    else
-      next_[previous_[corner]] = next_[corner];
-    if (next_[corner] != k_no_index) previous_[next_[corner]] = previous_[corner];
-  }
-  template <typename Visit>
-  void each(Index vertex, Visit&& visit) const {
-    for (Index c = first_[vertex]; c != k_no_index; c = next_[c]) visit(c);
-  }
-
- private:
-  std::vector<Index> next_, previous_, first_;
-};
-
 class ErrorProver {
  public:
   ErrorProver(ProgressiveMesh& mesh, const SplitRows<Index>& touched);
@@ -64,7 +30,6 @@ class ErrorProver {
   std::vector<double> run(Progress* progress);
 
  private:
-  const Vec3& place(Index corner) const { return cursor_.positions()[cursor_.corner_vertices()[corner]]; }
   Triangle scaled(const Triangle& t) const { return {scaled(t.a), scaled(t.b), scaled(t.c)}; }
   Vec3 scaled(const Vec3& p) const {
     const Vec3 d = p - center_;
@@ -74,8 +39,6 @@ class ErrorProver {
   void take_back(std::size_t split);
   void add_triangles(Index face, std::vector<FaceTriangle>& triangles) const;
   void collect_stale(std::size_t split);
-  void unlink_split(std::size_t split);
-  void link_split(std::size_t split);
   void cover_again(std::size_t split);
   void cover_dropped();
   void add_beside(std::vector<FaceTriangle>& targets);
@@ -85,7 +48,7 @@ class ErrorProver {
 
   ProgressiveMesh& mesh_;
   const SplitRows<Index>& touched_;
-  ProgressiveCursor cursor_;
+  LinkedLevel level_;
   Vec3 center_ = Vec3::Zero();
   int exponent_ = 0;
   double floor_ = 0;
@@ -94,8 +57,6 @@ class ErrorProver {
   std::vector<std::vector<Index>> uses_;   // by triangle: the faces that its bound needs
   std::vector<std::vector<Index>> users_;  // by face: triangles that need it, and some that did
   std::vector<unsigned char> is_touched_;  // by face: by the split at hand
-  std::optional<CornerRings> rings_;
-  std::vector<Index> corner_face_;
   TriangleCover cover_;
   double largest_ = 0;        // bound so far
   std::vector<Index> stale_;  // triangles whose faces change
@@ -104,8 +65,7 @@ class ErrorProver {
 };
 
 ErrorProver::ErrorProver(ProgressiveMesh& mesh, const SplitRows<Index>& touched)
-    : mesh_(mesh), touched_(touched), cursor_(mesh) {
-  cursor_.move_to(mesh.splits.size());
+    : mesh_(mesh), touched_(touched), level_(mesh, level_of_all_splits(mesh)) {
   Box3 box;
   for (const Vec3& p : mesh.positions) box.extend(p);
   if (box.isEmpty()) return;
@@ -120,13 +80,12 @@ void ErrorProver::add_triangles(Index face, std::vector<FaceTriangle>& triangles
   std::array<Vec3, 3> corners;
   std::size_t n = 0;
   PolygonSoup polygon;  // of more than three corners
-  for (Index c = mesh_.face_offsets[face]; c < mesh_.face_offsets[face + 1]; ++c) {
-    if (!cursor_.is_corner_alive(c)) continue;
+  level_.each_corner_of(face, [&](Index c) {
     if (n == 3) polygon.positions.assign(corners.begin(), corners.end());
-    if (n >= 3) polygon.positions.push_back(place(c));
-    if (n < 3) corners[n] = place(c);
+    if (n >= 3) polygon.positions.push_back(level_.position(c));
+    if (n < 3) corners[n] = level_.position(c);
     ++n;
-  }
+  });
   if (n == 3) {
     triangles.push_back({scaled({corners[0], corners[1], corners[2]}), face});
     return;
@@ -154,10 +113,9 @@ PolygonSoup loose_triangles(std::span<const FaceTriangle> triangles) {
 void ErrorProver::start() {
   std::vector<FaceTriangle> all;
   for (Index f = 0; f < mesh_.n_faces(); ++f) {
-    corner_face_.insert(corner_face_.end(), mesh_.face_offsets[f + 1] - mesh_.face_offsets[f], f);
-    if (cursor_.is_face_alive(f)) add_triangles(f, all);
+    if (level_.state().is_face_alive(f)) add_triangles(f, all);
   }
-  PolygonSoup soup = triangulated(cursor_.soup());
+  PolygonSoup soup = triangulated(level_.state().soup(false));
   for (Vec3& p : soup.positions) p = scaled(p);
   fine_.emplace(std::move(soup));
   users_.resize(mesh_.n_faces());
@@ -167,7 +125,6 @@ void ErrorProver::start() {
     uses_.push_back({t.face});
     triangles_.push_back(t.corners);
   }
-  rings_.emplace(mesh_, cursor_);
 }
 
 /// The triangles that need a face that the split touches.
@@ -182,26 +139,6 @@ void ErrorProver::collect_stale(std::size_t split) {
   for (const Index face : touched_[split]) is_touched_[face] = 1;
   std::sort(stale_.begin(), stale_.end());
   stale_.erase(std::unique(stale_.begin(), stale_.end()), stale_.end());
-}
-
-/// Before the split is taken back: its corners leave their vertices.
-void ErrorProver::unlink_split(std::size_t number) {
-  const VertexSplit& split = mesh_.splits[number];
-  const auto items = mesh_.items_of(number);
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i < split.n_corners || i >= split.n_corners + split.n_faces) {
-      rings_->unlink(items[i], cursor_.corner_vertices()[items[i]]);
-      continue;
-    }
-    for (Index c = mesh_.face_offsets[items[i]]; c < mesh_.face_offsets[items[i] + 1]; ++c) {
-      if (cursor_.is_corner_alive(c)) rings_->unlink(c, cursor_.corner_vertices()[c]);
-    }
-  }
-}
-
-void ErrorProver::link_split(std::size_t number) {
-  const VertexSplit& split = mesh_.splits[number];
-  for (const Index corner : mesh_.items_of(number).first(split.n_corners)) rings_->link(corner, split.kept);
 }
 
 void ErrorProver::set_uses(Index triangle, double bound) {
@@ -225,11 +162,10 @@ void ErrorProver::add_beside(std::vector<FaceTriangle>& targets) {
   }
   const std::size_t n_known = beside_.size();
   for (std::size_t i = 0; i < n_known; ++i) {
-    for (Index c = mesh_.face_offsets[beside_[i]]; c < mesh_.face_offsets[beside_[i] + 1]; ++c) {
-      if (!cursor_.is_corner_alive(c)) continue;
-      rings_->each(cursor_.corner_vertices()[c],
-                   [&](Index other) { beside_.push_back(corner_face_[other]); });
-    }
+    level_.each_corner_of(beside_[i], [&](Index c) {
+      level_.each_corner_at(level_.state().corner_vertices()[c],
+                            [&](Index other) { beside_.push_back(level_.face(other)); });
+    });
   }
   const auto known = beside_.begin() + static_cast<std::ptrdiff_t>(n_known);
   std::sort(known, beside_.end());
@@ -244,7 +180,7 @@ void ErrorProver::add_beside(std::vector<FaceTriangle>& targets) {
 void ErrorProver::cover_again(std::size_t split) {
   patch_.clear();
   for (const Index face : touched_[split]) {
-    if (cursor_.is_face_alive(face)) add_triangles(face, patch_);
+    if (level_.state().is_face_alive(face)) add_triangles(face, patch_);
   }
   for (const Index t : stale_) {
     targets_.assign(patch_.begin(), patch_.end());
@@ -253,8 +189,8 @@ void ErrorProver::cover_again(std::size_t split) {
     }
     // An ear of a border goes without changing other faces: those around the end that stays are near.
     if (targets_.empty()) {
-      rings_->each(mesh_.splits[split].kept,
-                   [&](Index corner) { add_triangles(corner_face_[corner], targets_); });
+      level_.each_corner_at(mesh_.splits[split].kept,
+                            [&](Index corner) { add_triangles(level_.face(corner), targets_); });
     }
     const double enough = std::max(largest_, floor_);
     if (targets_.empty()) {  // nothing is left; no bound from here on
@@ -274,7 +210,7 @@ void ErrorProver::cover_again(std::size_t split) {
 void ErrorProver::cover_dropped() {
   std::vector<FaceTriangle> all;
   for (Index f = 0; f < mesh_.n_faces(); ++f) {
-    if (cursor_.is_face_alive(f)) add_triangles(f, all);
+    if (level_.state().is_face_alive(f)) add_triangles(f, all);
   }
   const Surface level(loose_triangles(all));
   for (const Index t : stale_) {
@@ -296,9 +232,7 @@ void ErrorProver::cover_dropped() {
 
 void ErrorProver::take_back(std::size_t split) {
   collect_stale(split);
-  unlink_split(split);
-  cursor_.move_to(split);
-  link_split(split);
+  level_.apply<false>(split);
   if (mesh_.splits[split].kept == k_no_index)
     cover_dropped();
   else

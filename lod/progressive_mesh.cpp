@@ -19,7 +19,9 @@ std::size_t ProgressiveMesh::level_for_error(double error) const {
   return std::min(static_cast<std::size_t>(first - level_errors.begin()), n_splits());
 }
 
-ProgressiveCursor::ProgressiveCursor(const ProgressiveMesh& mesh)
+namespace detail {
+
+LevelState::LevelState(const ProgressiveMesh& mesh)
     : mesh_(&mesh),
       has_attribute_changes_(!mesh.color_changes.empty() || !mesh.scalar_changes.empty() ||
                              !mesh.corner_wedge_changes.entries.empty() ||
@@ -45,7 +47,7 @@ const Value& side(const Change<Value>& change) {
 }  // namespace
 
 template <bool refines>
-void ProgressiveCursor::apply(std::size_t number) {
+void LevelState::apply(std::size_t number) {
   const VertexSplit& split = mesh_->splits[number];
   const auto items = mesh_->items_of(number);
   const Index* item = items.data();
@@ -64,7 +66,7 @@ void ProgressiveCursor::apply(std::size_t number) {
 }
 
 template <bool refines>
-void ProgressiveCursor::apply_attributes(std::size_t number) {
+void LevelState::apply_attributes(std::size_t number) {
   const VertexSplit& split = mesh_->splits[number];
   for (const auto& change : mesh_->corner_wedge_changes[number]) {
     corner_wedges_[change.corner] = refines ? change.fine : change.coarse;
@@ -84,7 +86,7 @@ void ProgressiveCursor::apply_attributes(std::size_t number) {
 }
 
 template <bool refines>
-void ProgressiveCursor::apply_mending() {
+void LevelState::apply_mending() {
   const ProgressiveMesh::Mending& mending = mesh_->mending;
   for (const auto& change : mending.vertices) {
     corner_vertices_[change.corner] = refines ? change.fine : change.coarse;
@@ -96,26 +98,10 @@ void ProgressiveCursor::apply_mending() {
   for (const Index face : mending.coarse_faces) face_alive_[face] = refines ? 0 : 1;
 }
 
-void ProgressiveCursor::move_to(std::size_t level) {
-  if (level > mesh_->n_splits()) {
-    throw OptionError(fmt::format("there is no level of {} splits, only up to {}", level, mesh_->n_splits()));
-  }
-  const std::size_t n = mesh_->splits.size();
-  if (level == level_) return;
-  if (level_ > n && level <= n) {
-    apply_mending<false>();
-    --level_;
-  }
-  const std::size_t last = std::min(level, n);
-  for (; level_ < last; ++level_) apply<true>(level_);
-  for (; level_ > last; --level_) apply<false>(level_ - 1);
-  if (level > n && level_ == n) {
-    apply_mending<true>();
-    ++level_;
-  }
-}
+template void LevelState::apply<true>(std::size_t);
+template void LevelState::apply<false>(std::size_t);
 
-void ProgressiveCursor::write_face(Index face, const std::vector<Index>& number, PolygonSoup& soup) const {
+void LevelState::write_face(Index face, const std::vector<Index>& number, PolygonSoup& soup) const {
   Index first = k_no_index, previous = k_no_index;
   const auto mark_feature = [&](Index corner, Index next) {
     if (corner_features_.empty() || corner_features_[corner] == 0) return;
@@ -138,8 +124,7 @@ void ProgressiveCursor::write_face(Index face, const std::vector<Index>& number,
   if (!mesh_->face_materials.empty()) soup.face_materials.push_back(mesh_->face_materials[face]);
 }
 
-PolygonSoup ProgressiveCursor::soup() const {
-  const bool is_input = level_ == mesh_->n_splits();
+PolygonSoup LevelState::soup(bool is_input) const {
   std::vector<Index> number(positions_.size(), k_no_index);
   if (is_input) {
     std::fill(number.begin(), number.end(), 0);
@@ -174,6 +159,33 @@ PolygonSoup ProgressiveCursor::soup() const {
   }
   soup.materials = mesh_->materials;
   return soup;
+}
+
+LevelState level_of_all_splits(const ProgressiveMesh& mesh) {
+  LevelState level(mesh);
+  for (std::size_t s = 0; s < mesh.splits.size(); ++s) level.apply<true>(s);
+  return level;
+}
+
+}  // namespace detail
+
+void ProgressiveCursor::move_to(std::size_t level) {
+  if (level > mesh_->n_splits()) {
+    throw OptionError(fmt::format("there is no level of {} splits, only up to {}", level, mesh_->n_splits()));
+  }
+  const std::size_t n = mesh_->splits.size();
+  if (level == level_) return;
+  if (level_ > n && level <= n) {
+    state_.apply_mending<false>();
+    --level_;
+  }
+  const std::size_t last = std::min(level, n);
+  for (; level_ < last; ++level_) state_.apply<true>(level_);
+  for (; level_ > last; --level_) state_.apply<false>(level_ - 1);
+  if (level > n && level_ == n) {
+    state_.apply_mending<true>();
+    ++level_;
+  }
 }
 
 }  // namespace recede

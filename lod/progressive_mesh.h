@@ -150,12 +150,61 @@ struct ProgressiveMesh {
 ProgressiveMesh build_progressive_mesh(const PolygonSoup& soup, const ProgressiveOptions& options = {},
                                        Progress* progress = nullptr);
 
+namespace detail {
+
+/// The lists of a progressive mesh with some of its splits applied. Which may be applied when is the caller's
+/// business: see `ProgressiveCursor` and `SelectiveMesh`.
+class LevelState {
+ public:
+  /// No splits: the base.
+  explicit LevelState(const ProgressiveMesh& mesh);
+
+  /// Applies a split, or takes it back.
+  template <bool refines>
+  void apply(std::size_t split);
+  template <bool refines>
+  void apply_mending();
+  /// What is there as polygons, in the order of the input; vertices without faces are left out. `is_input`:
+  /// all is applied, so that they stay and the feature edges are the input's.
+  PolygonSoup soup(bool is_input) const;
+
+  const std::vector<Vec3>& positions() const { return positions_; }
+  const std::vector<Index>& corner_vertices() const { return corner_vertices_; }
+  bool is_face_alive(Index face) const { return face_alive_[face] != 0; }
+  bool is_corner_alive(Index corner) const { return corner_alive_.empty() || corner_alive_[corner] != 0; }
+  /// Of a corner; needs texture coordinates, normals.
+  const Vec2& uv(Index corner) const { return wedge_uvs_[corner_wedges_[corner]]; }
+  const Vec3& normal(Index corner) const { return wedge_normals_[corner_wedges_[corner]]; }
+  const std::vector<Vec4>& colors() const { return colors_; }
+  const std::vector<VertexScalar>& scalars() const { return scalars_; }
+
+ private:
+  template <bool refines>
+  void apply_attributes(std::size_t split);
+  void write_face(Index face, const std::vector<Index>& number, PolygonSoup& soup) const;
+
+  const ProgressiveMesh* mesh_;
+  bool has_attribute_changes_ = false;
+  std::vector<Vec3> positions_;
+  std::vector<Vec4> colors_;
+  std::vector<VertexScalar> scalars_;
+  std::vector<unsigned char> face_alive_, corner_alive_, corner_features_;
+  std::vector<Index> corner_vertices_, corner_wedges_;
+  std::vector<Vec2> wedge_uvs_;
+  std::vector<Vec3> wedge_normals_;
+};
+
+/// All splits applied, but not what they don't cover (`ProgressiveMesh::mending`).
+LevelState level_of_all_splits(const ProgressiveMesh& mesh);
+
+}  // namespace detail
+
 /// One level of a progressive mesh, which can be moved up and down. Moving takes time for the splits that it
 /// passes and allocates nothing; several cursors may stand in one mesh at once.
 class ProgressiveCursor {
  public:
   /// Stands at the base. `mesh` must live as long as the cursor and stay as it is.
-  explicit ProgressiveCursor(const ProgressiveMesh& mesh);
+  explicit ProgressiveCursor(const ProgressiveMesh& mesh) : mesh_(&mesh), state_(mesh) {}
 
   /// Number of splits of the level where the cursor stands.
   std::size_t level() const { return level_; }
@@ -167,33 +216,19 @@ class ProgressiveCursor {
 
   /// The level as polygons, in the order of the input; vertices without faces are left out. At the full level
   /// the input itself, bit for bit.
-  PolygonSoup soup() const;
+  PolygonSoup soup() const { return state_.soup(level_ == mesh_->n_splits()); }
 
   // The level in the lists and numbers of `ProgressiveMesh`.
-  const std::vector<Vec3>& positions() const { return positions_; }
-  const std::vector<Index>& corner_vertices() const { return corner_vertices_; }
-  bool is_face_alive(Index face) const { return face_alive_[face] != 0; }
-  bool is_corner_alive(Index corner) const { return corner_alive_.empty() || corner_alive_[corner] != 0; }
+  const std::vector<Vec3>& positions() const { return state_.positions(); }
+  const std::vector<Index>& corner_vertices() const { return state_.corner_vertices(); }
+  bool is_face_alive(Index face) const { return state_.is_face_alive(face); }
+  bool is_corner_alive(Index corner) const { return state_.is_corner_alive(corner); }
+  const detail::LevelState& state() const { return state_; }
 
  private:
-  template <bool refines>
-  void apply(std::size_t split);
-  template <bool refines>
-  void apply_attributes(std::size_t split);
-  template <bool refines>
-  void apply_mending();
-  void write_face(Index face, const std::vector<Index>& number, PolygonSoup& soup) const;
-
   const ProgressiveMesh* mesh_;
   std::size_t level_ = 0;
-  bool has_attribute_changes_ = false;
-  std::vector<Vec3> positions_;
-  std::vector<Vec4> colors_;
-  std::vector<VertexScalar> scalars_;
-  std::vector<unsigned char> face_alive_, corner_alive_, corner_features_;
-  std::vector<Index> corner_vertices_, corner_wedges_;
-  std::vector<Vec2> wedge_uvs_;
-  std::vector<Vec3> wedge_normals_;
+  detail::LevelState state_;
 };
 
 }  // namespace recede
