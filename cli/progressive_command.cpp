@@ -104,49 +104,6 @@ void add_bits(CLI::App& command, const std::string& name, std::optional<int>& bi
       ->group("Quantisation (default: none, bit for bit)");
 }
 
-struct ExtractOptions {
-  CommonOptions common;
-  std::string input, output;
-  std::optional<std::size_t> faces;
-  std::optional<double> ratio, error;
-};
-
-std::size_t choose_level(const ProgressiveMesh& mesh, const ExtractOptions& options) {
-  if (options.faces) return mesh.level_for_faces(*options.faces);
-  if (options.ratio) {
-    return mesh.level_for_faces(
-        static_cast<std::size_t>(*options.ratio * static_cast<double>(mesh.level_faces.back())));
-  }
-  return options.error ? mesh.level_for_error(*options.error) : mesh.n_splits();
-}
-
-void run_extract(const ExtractOptions& options) {
-  check_mesh_path(options.output);
-  const ProgressiveMesh mesh = read_pmesh(options.input);
-  ProgressiveCursor cursor(mesh);
-  cursor.move_to(choose_level(mesh, options));
-  const PolygonSoup soup = cursor.soup();
-  const WriteResult written = write_soup(options.output, soup);
-  for (const std::string& missing : written.written_without) {
-    print_remark(fmt::format("{}: written without {}", options.output, missing), options.common);
-  }
-  if (options.common.json) {
-    return print_json({{"command", "extract"},
-                       {"input", options.input},
-                       {"output", options.output},
-                       {"faces", soup.n_faces()},
-                       {"vertices", soup.positions.size()},
-                       {"splits", cursor.level()},
-                       {"level_error", cursor.error()},
-                       {"errors_are_proved", mesh.errors_are_proved},
-                       {"bytes", written.bytes},
-                       {"written_without", written.written_without}});
-  }
-  fmt::print("faces        {} of {}\n", soup.n_faces(), mesh.level_faces.back());
-  fmt::print("error        {:.4g}, {}\n", cursor.error(), mesh.errors_are_proved ? "certified" : "estimated");
-  fmt::print("written      {}\n", options.output);
-}
-
 }  // namespace
 
 void add_progressive_command(CLI::App& app) {
@@ -174,24 +131,6 @@ void add_progressive_command(CLI::App& app) {
   add_simplify_options(*command, options->progressive.simplify, options->feature_angle);
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });
-}
-
-void add_extract_command(CLI::App& app) {
-  const auto options = std::make_shared<ExtractOptions>();
-  CLI::App* command = app.add_subcommand("extract", "Writes one level of a progressive mesh.");
-  command->footer("Example:\n  recede extract dragon.pmesh -o small.ply --ratio 0.1");
-  command->add_option("input", options->input, "a .pmesh file")->required();
-  command->add_option("-o,--output", options->output, "file to write; the extension chooses the format")
-      ->required();
-  CLI::Option_group* level = command->add_option_group("Level (default: the finest)");
-  level->add_option("--faces", options->faces, "the finest with at most this many faces");
-  level->add_option("--ratio", options->ratio, "the same as a share of all faces, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
-  level->add_option("--error", options->error, "the coarsest with at most this error, object units")
-      ->check(CLI::NonNegativeNumber);
-  level->require_option(0, 1);
-  add_common_options(*command, options->common);
-  command->callback([options] { run_extract(*options); });
 }
 
 }  // namespace recede::cli

@@ -26,7 +26,7 @@ constexpr int k_index_data = 34963;
 
 // A vertex as the file has it; two corners with the same floats share one.
 struct FileVertex {
-  std::array<float, 16> values{};  // position, normal, uv, colour, tangent
+  std::array<float, 29> values{};  // position, normal, uv, colour, tangent; what a target adds; parent
   bool operator==(const FileVertex& other) const {
     return std::memcmp(values.data(), other.values.data(), sizeof values) == 0;
   }
@@ -53,6 +53,11 @@ constexpr Attribute k_normal{"NORMAL", "VEC3", 3, 3};
 constexpr Attribute k_uv{"TEXCOORD_0", "VEC2", 6, 2};
 constexpr Attribute k_color{"COLOR_0", "VEC4", 8, 4};
 constexpr Attribute k_tangent{"TANGENT", "VEC4", 12, 4};
+constexpr Attribute k_morph_position{"POSITION", "VEC3", 16, 3};
+constexpr Attribute k_morph_normal{"NORMAL", "VEC3", 19, 3};
+constexpr Attribute k_morph_uv{"TEXCOORD_0", "VEC2", 22, 2};
+constexpr Attribute k_morph_color{"COLOR_0", "VEC4", 24, 4};
+constexpr Attribute k_parent{"_PARENT", "SCALAR", 28, 1};
 
 struct Primitive {
   std::vector<FileVertex> vertices;
@@ -85,29 +90,48 @@ Vec3 unit_face_normal(const PolygonSoup& soup, std::size_t face) {
 
 class VertexMaker {
  public:
-  VertexMaker(const PolygonSoup& soup, std::span<const Vec4> tangents, const Vec3& offset)
-      : soup_(soup), tangents_(tangents), offset_(offset) {}
+  VertexMaker(const PolygonSoup& soup, const GltfMeshExtras& extras, const Vec3& offset)
+      : soup_(soup), extras_(extras), offset_(offset) {}
 
   FileVertex make(Index corner, std::size_t face) const {
     const Index vertex = soup_.corner_vertices[corner];
     FileVertex result;
     put(result, k_position, soup_.positions[vertex] - offset_);
-    if (!soup_.corner_normals.empty()) put(result, k_normal, normal(corner, face));
-    if (!soup_.corner_uvs.empty()) {
-      put(result, k_uv, Vec2(soup_.corner_uvs[corner][0], 1.0 - soup_.corner_uvs[corner][1]));
+    if (!soup_.corner_normals.empty()) put(result, k_normal, normal(soup_, corner, face));
+    if (!soup_.corner_uvs.empty()) put(result, k_uv, uv(soup_, corner));
+    if (!soup_.vertex_colors.empty()) put(result, k_color, color(soup_, vertex));
+    if (!extras_.corner_tangents.empty()) put(result, k_tangent, extras_.corner_tangents[corner]);
+    if (extras_.morph_target != nullptr) add_morph(result, *extras_.morph_target, corner, face);
+    if (!extras_.parents.empty()) {
+      const Index parent = extras_.parents[vertex];
+      result.values[k_parent.first] = parent == k_no_index ? -1.0f : static_cast<float>(parent);
     }
-    if (!soup_.vertex_colors.empty()) {
-      put(result, k_color, soup_.vertex_colors[vertex].cwiseMax(0.0).cwiseMin(1.0));
-    }
-    if (!tangents_.empty()) put(result, k_tangent, tangents_[corner]);
     return result;
   }
 
  private:
-  Vec3 normal(Index corner, std::size_t face) const {
-    const double length = soup_.corner_normals[corner].stableNorm();
-    if (!(length > 0.0) || !std::isfinite(length)) return unit_face_normal(soup_, face);
-    return soup_.corner_normals[corner] / length;
+  static Vec3 normal(const PolygonSoup& soup, Index corner, std::size_t face) {
+    const double length = soup.corner_normals[corner].stableNorm();
+    if (!(length > 0.0) || !std::isfinite(length)) return unit_face_normal(soup, face);
+    return soup.corner_normals[corner] / length;
+  }
+  static Vec2 uv(const PolygonSoup& soup, Index corner) {
+    return {soup.corner_uvs[corner][0], 1.0 - soup.corner_uvs[corner][1]};
+  }
+  static Vec4 color(const PolygonSoup& soup, Index vertex) {
+    return soup.vertex_colors[vertex].cwiseMax(0.0).cwiseMin(1.0);
+  }
+
+  void add_morph(FileVertex& result, const PolygonSoup& target, Index corner, std::size_t face) const {
+    const Index vertex = soup_.corner_vertices[corner];
+    put(result, k_morph_position, target.positions[vertex] - soup_.positions[vertex]);
+    if (!soup_.corner_normals.empty()) {
+      put(result, k_morph_normal, normal(target, corner, face) - normal(soup_, corner, face));
+    }
+    if (!soup_.corner_uvs.empty()) put(result, k_morph_uv, uv(target, corner) - uv(soup_, corner));
+    if (!soup_.vertex_colors.empty()) {
+      put(result, k_morph_color, color(target, vertex) - color(soup_, vertex));
+    }
   }
 
   template <class Derived>
@@ -119,7 +143,7 @@ class VertexMaker {
   }
 
   const PolygonSoup& soup_;
-  std::span<const Vec4> tangents_;
+  const GltfMeshExtras& extras_;
   Vec3 offset_;
 };
 
@@ -174,7 +198,7 @@ struct GltfBuilder::Impl {
                   {"componentType", k_float},
                   {"count", vertices.size()},
                   {"type", attribute.type}};
-    if (attribute.first == k_position.first) {
+    if (std::string_view(attribute.name) == k_position.name) {
       accessor["min"] = low;
       accessor["max"] = high;
     }
@@ -216,19 +240,31 @@ struct GltfBuilder::Impl {
     return append("materials", std::move(entry));
   }
 
-  json primitive_json(const Primitive& primitive, const PolygonSoup& soup, bool has_tangents) {
-    json attributes;
-    const auto add = [&](const Attribute& attribute) {
-      attributes[attribute.name] = add_attribute(primitive.vertices, attribute);
+  json primitive_json(const Primitive& primitive, const PolygonSoup& soup, const GltfMeshExtras& extras) {
+    const auto add = [&](json& attributes, bool is_there, const Attribute& attribute) {
+      if (is_there) attributes[attribute.name] = add_attribute(primitive.vertices, attribute);
     };
-    add(k_position);
-    if (!soup.corner_normals.empty()) add(k_normal);
-    if (!soup.corner_uvs.empty()) add(k_uv);
-    if (!soup.vertex_colors.empty()) add(k_color);
-    if (has_tangents) add(k_tangent);
-    return {{"attributes", std::move(attributes)},
-            {"indices", add_indices(primitive.indices, primitive.vertices.size())},
-            {"mode", 4}};
+    const bool normals = !soup.corner_normals.empty(), uvs = !soup.corner_uvs.empty(),
+               colors = !soup.vertex_colors.empty();
+    json attributes;
+    add(attributes, true, k_position);
+    add(attributes, normals, k_normal);
+    add(attributes, uvs, k_uv);
+    add(attributes, colors, k_color);
+    add(attributes, !extras.corner_tangents.empty(), k_tangent);
+    add(attributes, !extras.parents.empty(), k_parent);
+    json result{{"attributes", std::move(attributes)},
+                {"indices", add_indices(primitive.indices, primitive.vertices.size())},
+                {"mode", 4}};
+    if (extras.morph_target != nullptr) {
+      json target;
+      add(target, true, k_morph_position);
+      add(target, normals, k_morph_normal);
+      add(target, uvs, k_morph_uv);
+      add(target, colors, k_morph_color);
+      result["targets"] = json::array({std::move(target)});
+    }
+    return result;
   }
 
   json complete_document(bool with_data) const {
@@ -256,13 +292,12 @@ GltfBuilder::~GltfBuilder() = default;
 
 nlohmann::json& GltfBuilder::document() { return impl_->document; }
 
-int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name,
-                          std::span<const Vec4> corner_tangents) {
+int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name, const GltfMeshExtras& extras) {
   std::vector<Index> faces, corners;
   triangulate(soup, &faces, &corners);
   if (corners.empty()) throw InputError("glTF can't hold a mesh without triangles");
   const Vec3 offset = offset_of(soup);
-  const VertexMaker maker(soup, corner_tangents, offset);
+  const VertexMaker maker(soup, extras, offset);
   // One primitive for each material, the faces without one last.
   std::vector<Primitive> primitives(soup.materials.size() + 1);
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -273,14 +308,19 @@ int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name,
   json list = json::array();
   for (std::size_t material = 0; material < primitives.size(); ++material) {
     if (primitives[material].indices.empty()) continue;
-    json entry = impl_->primitive_json(primitives[material], soup, !corner_tangents.empty());
+    json entry = impl_->primitive_json(primitives[material], soup, extras);
     if (material < soup.materials.size()) {
       entry["material"] = impl_->material_number(soup.materials[material], !soup.corner_uvs.empty());
     }
     list.push_back(std::move(entry));
   }
   impl_->offsets.push_back(offset);
-  return impl_->append("meshes", {{"name", name}, {"primitives", std::move(list)}});
+  json mesh{{"name", name}, {"primitives", std::move(list)}};
+  if (extras.morph_target != nullptr) {
+    mesh["weights"] = {0.0};
+    mesh["extras"]["targetNames"] = {extras.morph_name};
+  }
+  return impl_->append("meshes", std::move(mesh));
 }
 
 int GltfBuilder::add_node(int mesh, const std::string& name) {

@@ -11,6 +11,18 @@
 
 namespace recede {
 
+/// What a mesh of a glTF document has beside a soup.
+struct GltfMeshExtras {
+  /// C unit vectors, each with 1 or -1 as its fourth number: glTF's TANGENT. Or empty.
+  std::span<const Vec4> corner_tangents{};
+  /// The same polygons in another shape, as a morph target: positions, and the normals, texture coordinates
+  /// and colours that the soup has.
+  const PolygonSoup* morph_target = nullptr;
+  std::string morph_name{};
+  /// V numbers below 2^24, or k_no_index, which becomes -1: attribute `_PARENT`. Or empty.
+  std::span<const Index> parents{};
+};
+
 /// Builds a glTF document with one buffer. Meshes become triangles, one primitive for each material, with
 /// vertices split where the attributes of their corners differ. Positions are 32-bit floats; a mesh far from
 /// the origin is stored around its own centre, and its nodes carry the offset as their translation. Texture
@@ -24,10 +36,9 @@ class GltfBuilder {
   ~GltfBuilder();
 
   /// Adds a mesh and returns its position in `meshes`. Corner normals are made unit length; where some corner
-  /// has none, the face's normal is written. `corner_tangents` is empty or holds C unit vectors, each with 1
-  /// or -1 as its fourth number, glTF's TANGENT. Throws `InputError` for a soup without triangles (glTF can't
+  /// has none, the face's normal is written. Throws `InputError` for a soup without triangles (glTF can't
   /// hold it) or with values outside the range of floats.
-  int add_mesh(const PolygonSoup& soup, const std::string& name, std::span<const Vec4> corner_tangents = {});
+  int add_mesh(const PolygonSoup& soup, const std::string& name, const GltfMeshExtras& extras = {});
 
   /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
   int add_node(int mesh, const std::string& name);

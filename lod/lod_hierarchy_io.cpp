@@ -61,8 +61,8 @@ int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i
   const LodLevel& level = hierarchy.levels[i];
   if (!level.maps) return builder.add_node(builder.add_mesh(to_soup(level.mesh), name), name);
   const std::string folder = hierarchy.name + ".recede";
-  const int mesh =
-      builder.add_mesh(surface_with_maps(*level.maps, i, folder), name, level.maps->corner_tangents);
+  const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, folder), name,
+                                    {.corner_tangents = level.maps->corner_tangents});
   if (!level.maps->displacement.samples.empty()) {
     const std::string uri = detail::encode_percent(folder + "/" + map_name(i, "displacement"));
     builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_displacement"] =

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <set>
 
 namespace recede::test {
 namespace {
@@ -367,7 +368,8 @@ TEST(GltfBuilder, WritesTangentsAndSplitsVerticesWhereTheyDiffer) {
   std::vector<Vec4> tangents(6, Vec4(1, 0, 0, 1));
   tangents[0].w() = -1;
   GltfBuilder builder;
-  builder.add_to_scene(builder.add_node(builder.add_mesh(soup, "sheet", tangents), "sheet"));
+  builder.add_to_scene(
+      builder.add_node(builder.add_mesh(soup, "sheet", {.corner_tangents = tangents}), "sheet"));
   const json& document = builder.document();
   const json& attributes = document.at("meshes")[0].at("primitives")[0].at("attributes");
   const json& accessor = document.at("accessors")[attributes.at("TANGENT").get<std::size_t>()];
@@ -377,6 +379,43 @@ TEST(GltfBuilder, WritesTangentsAndSplitsVerticesWhereTheyDiffer) {
   const test::TempFolder folder;
   EXPECT_EQ(read_soup(folder.write("sheet.glb", builder.to_glb())).materials[0].normal_texture,
             "bumps of stone.png");
+}
+
+std::vector<float> values_of(GltfBuilder& builder, const json& attributes, const char* name) {
+  const json& document = builder.document();
+  const json& accessor = document.at("accessors")[attributes.at(name).get<std::size_t>()];
+  const json& view = document.at("bufferViews")[accessor.at("bufferView").get<std::size_t>()];
+  const json text = json::parse(builder.to_gltf());
+  const std::string uri = text.at("buffers")[0].at("uri").get<std::string>();
+  const std::string buffer = detail::decode_base64(uri.substr(uri.find(',') + 1)).value();
+  std::vector<float> values(view.at("byteLength").get<std::size_t>() / sizeof(float));
+  std::memcpy(values.data(), buffer.data() + view.at("byteOffset").get<std::size_t>(),
+              values.size() * sizeof(float));
+  return values;
+}
+
+TEST(GltfBuilder, WritesAMorphTargetAndParents) {
+  PolygonSoup soup = test::two_triangles();
+  for (const Index v : soup.corner_vertices) soup.corner_uvs.emplace_back(soup.positions[v].head<2>());
+  PolygonSoup target = soup;
+  target.positions[3] += Vec3(0, 0, 0.5);
+  target.corner_uvs[1] += Vec2(0.25, 0.5);
+  const std::vector<Index> parents{7, 1, 0, k_no_index};
+  GltfBuilder builder;
+  builder.add_to_scene(builder.add_node(
+      builder.add_mesh(soup, "sheet", {.morph_target = &target, .morph_name = "coarse", .parents = parents}),
+      "sheet"));
+  json& mesh = builder.document()["meshes"][0];
+  EXPECT_EQ(mesh.at("weights"), json({0.0}));
+  EXPECT_EQ(mesh.at("extras").at("targetNames"), json({"coarse"}));
+  const json& primitive = mesh.at("primitives")[0];
+  const std::vector<float> moved = values_of(builder, primitive.at("targets")[0], "POSITION");
+  EXPECT_THAT(moved, testing::Contains(0.5f).Times(1));
+  EXPECT_THAT(moved, testing::Contains(0.0f).Times(static_cast<int>(moved.size()) - 1));
+  // glTF's v points down.
+  EXPECT_THAT(values_of(builder, primitive.at("targets")[0], "TEXCOORD_0"), testing::Contains(-0.5f));
+  const std::vector<float> parent = values_of(builder, primitive.at("attributes"), "_PARENT");
+  EXPECT_EQ(std::set<float>(parent.begin(), parent.end()), (std::set<float>{7, 1, 0, -1}));
 }
 
 TEST(GltfWriter, PassesTheKhronosValidator) {
@@ -403,6 +442,16 @@ TEST(GltfWriter, PassesTheKhronosValidator) {
   constexpr const char* k_pixel =
       "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNkYPhfDwAChwGA60e6kgAAAABJRU5ErkJggg==";
   folder.write("oak planks.png", detail::decode_base64(k_pixel).value());
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const PolygonSoup soup = random_soup(seed);
+    PolygonSoup target = soup;
+    for (Vec3& position : target.positions) position *= 0.5;
+    const std::vector<Index> parents(soup.positions.size(), 3);
+    GltfBuilder builder;
+    builder.add_to_scene(builder.add_node(
+        builder.add_mesh(soup, "a", {.morph_target = &target, .morph_name = "b", .parents = parents}), "a"));
+    files.push_back(folder.write(fmt::format("morph{}.glb", seed), builder.to_glb()));
+  }
   EXPECT_EQ(validate_gltf(files), 0);
   std::string damaged = read_whole_file(files.front());
   damaged.resize(damaged.size() - 4);

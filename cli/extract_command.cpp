@@ -1,0 +1,200 @@
+#include "common.h"
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/geomorph.h>
+#include <recede/lod/pmesh.h>
+#include <recede/lod/selective_mesh.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <numbers>
+
+namespace recede::cli {
+namespace {
+
+/// One level, named by one of these; none: `otherwise`.
+struct LevelChoice {
+  std::optional<std::size_t> faces;
+  std::optional<double> ratio, error;
+
+  bool is_given() const { return faces || ratio || error; }
+  std::size_t of(const ProgressiveMesh& mesh, std::size_t otherwise) const {
+    if (faces) return mesh.level_for_faces(*faces);
+    if (ratio) {
+      return mesh.level_for_faces(
+          static_cast<std::size_t>(*ratio * static_cast<double>(mesh.level_faces.back())));
+    }
+    return error ? mesh.level_for_error(*error) : otherwise;
+  }
+};
+
+using Point = std::array<double, 3>;
+
+struct ExtractOptions {
+  CommonOptions common;
+  std::string input, output;
+  LevelChoice level, morph;
+  std::optional<Point> eye;
+  Point look_at{0, 0, 0}, up{0, 1, 0};
+  RefinementView view;
+  double field_of_view = 45;  // degrees
+  bool no_cull = false;
+};
+
+Vec3 to_vector(const Point& point) { return {point[0], point[1], point[2]}; }
+
+Json common_json(const ExtractOptions& options, const ProgressiveMesh& mesh, const PolygonSoup& soup,
+                 const WriteResult& written) {
+  return {{"command", "extract"},
+          {"input", options.input},
+          {"output", options.output},
+          {"faces", soup.n_faces()},
+          {"vertices", soup.positions.size()},
+          {"errors_are_proved", mesh.errors_are_proved},
+          {"bytes", written.bytes},
+          {"written_without", written.written_without}};
+}
+
+void print_common(const ExtractOptions& options, const ProgressiveMesh& mesh, const PolygonSoup& soup) {
+  if (!options.common.json) fmt::print("faces        {} of {}\n", soup.n_faces(), mesh.level_faces.back());
+}
+
+const char* kind_of_error(const ProgressiveMesh& mesh) {
+  return mesh.errors_are_proved ? "certified" : "estimated";
+}
+
+/// Writes the mesh by `write` and prints what it is: as text by `text`, or with `fields` beside the common
+/// ones.
+template <typename Write, typename Text>
+void finish(const ExtractOptions& options, const ProgressiveMesh& mesh, const PolygonSoup& soup,
+            Write&& write, const Json& fields, Text&& text) {
+  const WriteResult written = write();
+  for (const std::string& missing : written.written_without) {
+    print_remark(fmt::format("{}: written without {}", options.output, missing), options.common);
+  }
+  if (options.common.json) {
+    Json document = common_json(options, mesh, soup, written);
+    document.update(fields);
+    return print_json(document);
+  }
+  print_common(options, mesh, soup);
+  text();
+  fmt::print("written      {}\n", options.output);
+}
+
+void extract_level(const ExtractOptions& options, const ProgressiveMesh& mesh) {
+  ProgressiveCursor cursor(mesh);
+  cursor.move_to(options.level.of(mesh, mesh.n_splits()));
+  const PolygonSoup soup = cursor.soup();
+  finish(
+      options, mesh, soup, [&] { return write_soup(options.output, soup); },
+      {{"splits", cursor.level()}, {"level_error", cursor.error()}},
+      [&] { fmt::print("error        {:.4g}, {}\n", cursor.error(), kind_of_error(mesh)); });
+}
+
+void extract_morph(const ExtractOptions& options, const ProgressiveMesh& mesh) {
+  const std::size_t fine = options.level.of(mesh, mesh.n_splits()), coarse = options.morph.of(mesh, 0);
+  const Geomorph morph = make_geomorph(mesh, coarse, fine);
+  finish(
+      options, mesh, morph.fine, [&] { return write_geomorph(options.output, morph); },
+      {{"splits", fine},
+       {"level_error", mesh.level_errors[fine]},
+       {"coarse_faces", mesh.level_faces[coarse]},
+       {"coarse_splits", coarse},
+       {"coarse_error", mesh.level_errors[coarse]}},
+      [&] {
+        fmt::print("coarse       {} faces\n", mesh.level_faces[coarse]);
+        fmt::print("errors       {:.4g} and {:.4g}, {}\n", mesh.level_errors[fine], mesh.level_errors[coarse],
+                   kind_of_error(mesh));
+      });
+}
+
+void extract_view(const ExtractOptions& options, const ProgressiveMesh& mesh) {
+  RefinementView view = options.view;
+  view.position = to_vector(*options.eye);
+  view.target = to_vector(options.look_at);
+  view.up = to_vector(options.up);
+  view.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
+  view.cull = !options.no_cull;
+  SelectiveMesh selective(mesh);
+  const RefinementReport report = selective.update(view);
+  const PolygonSoup soup = selective.soup();
+  finish(
+      options, mesh, soup, [&] { return write_soup(options.output, soup); },
+      {{"splits", report.splits},
+       {"forced_splits", report.forced},
+       {"pixel_error", report.pixel_error},
+       {"seconds", report.seconds}},
+      [&] { fmt::print("pixel error  {:.4g} at most, {}\n", report.pixel_error, kind_of_error(mesh)); });
+}
+
+void run(const ExtractOptions& options) {
+  check_mesh_path(options.output);
+  const ProgressiveMesh mesh = read_pmesh(options.input);
+  if (options.eye) return extract_view(options, mesh);
+  if (options.morph.is_given()) return extract_morph(options, mesh);
+  extract_level(options, mesh);
+}
+
+CLI::Option_group* add_level(CLI::App& command, const std::string& group, const std::string& prefix,
+                             LevelChoice& choice) {
+  CLI::Option_group* level = command.add_option_group(group);
+  level->add_option("--" + prefix + "faces", choice.faces, "the finest with at most this many faces");
+  level->add_option("--" + prefix + "ratio", choice.ratio, "the same as a share of all faces, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0));
+  level
+      ->add_option("--" + prefix + "error", choice.error,
+                   "the coarsest with at most this error, object units")
+      ->check(CLI::NonNegativeNumber);
+  level->require_option(0, 1);
+  return level;
+}
+
+void add_view(CLI::App& command, ExtractOptions& options, CLI::Option_group* level,
+              CLI::Option_group* morph) {
+  const auto group = "View (instead of a level: fine where it is seen)";
+  RefinementView& view = options.view;
+  CLI::Option* eye = command.add_option("--eye", options.eye, "where the camera stands, object units")
+                         ->option_text("X Y Z")
+                         ->group(group);
+  for (CLI::Option_group* others : {level, morph}) {
+    for (CLI::Option* other : others->get_options([](CLI::Option*) { return true; })) eye->excludes(other);
+  }
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command.add_option(name, value, help)->needs(eye)->group(group);
+  };
+  add("--look-at", options.look_at, "what it looks at (0 0 0)")->option_text("X Y Z");
+  add("--up", options.up, "what points up in the image (0 1 0)")->option_text("X Y Z");
+  add("--field-of-view", options.field_of_view, "vertical, degrees (45)");
+  add("--image-height", view.view.image_height, "pixels (1080)");
+  add("--aspect-ratio", view.aspect_ratio, "width of the image over its height (1)");
+  add("--pixel-error", view.view.pixel_error, "error that may be seen, pixels (1)");
+  add("--back-pixel-error", view.back_pixel_error, "the same for what faces away");
+  add("--silhouette-pixel-error", view.silhouette_pixel_error, "the same on silhouettes");
+  add("--max-faces", view.max_faces, "at most this many faces; the largest errors go first");
+  command.add_flag("--no-cull", options.no_cull, "detail outside the image too")->needs(eye)->group(group);
+}
+
+}  // namespace
+
+void add_extract_command(CLI::App& app) {
+  const auto options = std::make_shared<ExtractOptions>();
+  CLI::App* command =
+      app.add_subcommand("extract", "Writes one level of a progressive mesh, or what a view needs of it.");
+  command->footer(
+      "Examples:\n  recede extract dragon.pmesh -o small.ply --ratio 0.1\n"
+      "  recede extract dragon.pmesh -o morph.glb --faces 10000 --morph-faces 2000\n"
+      "  recede extract dragon.pmesh -o seen.ply --eye 0 1 3 --pixel-error 0.5");
+  command->add_option("input", options->input, "a .pmesh file")->required();
+  command->add_option("-o,--output", options->output, "file to write; the extension chooses the format")
+      ->required();
+  CLI::Option_group* level = add_level(*command, "Level (default: the finest)", "", options->level);
+  CLI::Option_group* morph = add_level(
+      *command, "Geomorph: the coarse level that it turns into (.glb .gltf .ply)", "morph-", options->morph);
+  add_view(*command, *options, level, morph);
+  add_common_options(*command, options->common);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace recede::cli
