@@ -28,6 +28,7 @@ from ._recede import (
     Distance,
     Error,
     FileReport,
+    Geomorph,
     InputError,
     Level,
     LevelError,
@@ -35,14 +36,16 @@ from ._recede import (
     Mesh,
     OneSidedDistance,
     OptionError,
+    RefinementReport,
     RepairStep,
     SimplifyResult,
 )
 from . import _recede
 
 __all__ = [
-    "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "InputError", "Level", "LevelError", "Material",
-    "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh", "RepairStep", "SimplifyResult", "bake",
+    "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "InputError", "Level", "LevelError",
+    "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh", "RefinementReport", "RepairStep",
+    "SelectiveMesh", "SimplifyResult", "bake",
     "build_progressive", "compare", "make_displaced_sphere", "make_teapot", "read", "set_threads", "simplify",
     "simplify_levels", "write",
 ]
@@ -167,7 +170,23 @@ class ProgressiveMesh:
 
         Without an argument the finest, which is the input.
         """
-        return self._compiled.level(faces, error, splits)
+        return self._compiled.level(_recede.LevelChoice(faces, error, splits))
+
+    def geomorph(self, *, faces: int | None = None, error: float | None = None, splits: int | None = None,
+                 coarse_faces: int | None = None, coarse_error: float | None = None,
+                 coarse_splits: int | None = None) -> Geomorph:
+        """A level, as for `level`, that turns into a coarser one (without an argument the base) without a jump.
+
+        `at(share)` is the mesh between them, from the coarse one at 0 to the fine one at 1; `parents` has for each
+        vertex of the fine level its vertex in the coarse one (4294967295: none); `write` makes a `.glb`, `.gltf` or
+        `.ply` file, see docs/progressive.md.
+        """
+        return self._compiled.geomorph(_recede.LevelChoice(coarse_faces, coarse_error, coarse_splits),
+                                       _recede.LevelChoice(faces, error, splits))
+
+    def selective(self) -> SelectiveMesh:
+        """The mesh for views: fine where it is seen. It starts at the base."""
+        return SelectiveMesh(self._compiled.selective())
 
     def write(self, path: Path, *, bits: int | None = None, attribute_bits: int | None = None,
               keep_numbering: bool = False, keep_order: bool | None = None) -> FileReport:
@@ -209,6 +228,43 @@ class ProgressiveMesh:
     @property
     def proof_seconds(self) -> float:
         return self._compiled.proof_seconds
+
+
+class SelectiveMesh:
+    """A progressive mesh refined for a view; see `ProgressiveMesh.selective`."""
+
+    def __init__(self, compiled: _recede.SelectiveMesh) -> None:
+        self._compiled = compiled
+
+    def update(self, position: Sequence[float], target: Sequence[float] = (0, 0, 0), *, up: Sequence[float] = (0, 1, 0),
+               image_height: float = 1080, field_of_view: float = 45, pixel_error: float = 1, aspect_ratio: float = 1,
+               cull: bool = True, back_pixel_error: float | None = None, silhouette_pixel_error: float | None = None,
+               max_faces: int | None = None) -> RefinementReport:
+        """Refines and coarsens from where the last view left it, until errors of at most `pixel_error` pixels are seen.
+
+        Looks from `position` to `target`, object units; `field_of_view` is vertical, degrees. Faces that look away and
+        silhouettes may have errors of their own; `cull` leaves what is outside the image coarse; with `max_faces` the
+        largest errors go first. Raises `OptionError` for what is out of range.
+        """
+        view = _recede.RefinementView()
+        view.position, view.target, view.up = position, target, up
+        view.image_height, view.field_of_view, view.pixel_error = image_height, field_of_view * pi / 180, pixel_error
+        view.aspect_ratio, view.cull = aspect_ratio, cull
+        view.back_pixel_error, view.silhouette_pixel_error = back_pixel_error, silhouette_pixel_error
+        view.max_faces = max_faces
+        return self._compiled.update(view)
+
+    def update_error(self, error: float) -> RefinementReport:
+        """The level of at most that error everywhere, object units."""
+        return self._compiled.update_error(error)
+
+    def mesh(self) -> Mesh:
+        """As it stands."""
+        return self._compiled.mesh()
+
+    @property
+    def n_faces(self) -> int:
+        return self._compiled.n_faces
 
 
 def build_progressive(mesh: Mesh, *, faces: int | None = None, vertices: int | None = None, ratio: float | None = None,

@@ -243,6 +243,39 @@ def test_every_function_says_what_it_does():
             assert item.__doc__ and len(item.__doc__) > 40, name
 
 
+def test_a_geomorph_ends_at_two_levels(sphere, tmp_path):
+    progressive = recede.build_progressive(sphere, ratio=0.05, prove_error=False)
+    coarse = progressive.level(faces=1000)
+    morph = progressive.geomorph(faces=3000, coarse_faces=1000)
+    fine = morph.at(1)
+    assert fine.n_faces <= 3000 and np.array_equal(fine.positions, progressive.level(faces=3000).positions)
+    assert np.array_equal(morph.at(0).positions, coarse.positions[morph.parents])
+    middle = morph.at(0.5).positions
+    assert np.allclose(middle, (fine.positions + morph.at(0).positions) / 2, rtol=0, atol=1e-15)
+    assert morph.write(tmp_path / "morph.glb") == []
+    morph.write(tmp_path / "morph.ply")
+    assert np.array_equal(recede.read(tmp_path / "morph.ply").vertex_scalars["parent"], morph.parents)
+    with pytest.raises(recede.OptionError, match="only"):
+        progressive.geomorph(faces=1000, coarse_faces=3000)
+    with pytest.raises(recede.InputError, match="glb"):
+        morph.write(tmp_path / "morph.obj")
+
+
+def test_a_selective_mesh_is_fine_where_it_is_seen(sphere):
+    progressive = recede.build_progressive(sphere, ratio=0.01, prove_error=False)
+    selective = progressive.selective()
+    report = selective.update((0, 0, 3), pixel_error=2)
+    assert report.faces == selective.n_faces == selective.mesh().n_faces
+    assert report.pixel_error <= 2
+    assert selective.update((0, 0, 3), pixel_error=2).splits == 0
+    assert selective.update((0, 0, 3), pixel_error=0.5, max_faces=report.faces).faces <= report.faces
+    half = progressive.n_splits // 2
+    error = progressive.level_errors[half]
+    assert selective.update_error(error).faces == progressive.level(error=error).n_faces
+    with pytest.raises(recede.OptionError, match="position"):
+        selective.update((0, 0, 0))
+
+
 def test_a_progressive_mesh_gives_levels_and_the_input_back(sphere, tmp_path):
     progressive = recede.build_progressive(sphere, ratio=0.05)
     assert progressive.errors_are_proved
