@@ -92,8 +92,10 @@ TEST(ReportInABrowser, GoesThroughTheLevelsByKeysAndListsThemAllWithoutScripts) 
   expect_one("end", 3);
   EXPECT_THAT(steps.at("all").at("titles"), ElementsAreArray(titles));
   expect_one("link", 1);
-  EXPECT_THAT(steps.at("without_scripts").at("titles"), ElementsAreArray(titles));
-  EXPECT_FALSE(steps.at("without_scripts").at("slider").get<bool>());
+  for (const char* step : {"printed", "without_scripts"}) {
+    EXPECT_THAT(steps.at(step).at("titles"), ElementsAreArray(titles)) << step;
+    EXPECT_FALSE(steps.at(step).at("slider").get<bool>()) << step;
+  }
   for (const auto& [name, step] : steps.items()) {
     EXPECT_EQ(step.at("broken"), 0) << name << ": pictures that don't load";
     EXPECT_LE(step.at("overflow"), 0) << name << ": wider than the window";

@@ -97,6 +97,9 @@ async function use() {
   await press("Enter", "Enter", "\r");
   await followed;
   steps.link = await state();
+  await send("Emulation.setEmulatedMedia", { media: "print" });
+  steps.printed = await state();
+  await send("Emulation.setEmulatedMedia", { media: "" });
   await send("Emulation.setScriptExecutionDisabled", { value: true });
   await open();
   steps.without_scripts = await state();
