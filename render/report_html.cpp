@@ -47,7 +47,7 @@ td.text, th.text { text-align: left; }
 @media print { .slider { display: none; } }
 .level { display: grid; grid-template-columns: minmax(220px, 1fr) minmax(0, 868px); gap: 18px; margin: 0 0 14px;
   scroll-margin-top: 64px; }
-.level dl { margin-top: 10px; font-variant-numeric: tabular-nums; }
+.level dl { display: grid; margin-top: 10px; font-variant-numeric: tabular-nums; }
 .level dd small { display: block; color: var(--faint); font-size: 12px; }
 .pictures { display: flex; flex-wrap: wrap; gap: 14px; align-items: flex-start; align-content: flex-start; }
 figure { margin: 0; max-width: 100%; }
