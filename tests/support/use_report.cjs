@@ -93,9 +93,10 @@ async function use() {
   steps.all = await state();
   await press(" ", "Space", " ");
   await value(`document.querySelector('a[href="#level-1"]').focus()`);
-  const followed = value(`new Promise((done) => addEventListener("hashchange", () => done(1), { once: true }))`);
+  // Keys may overtake other messages, so the page must listen before the key is sent.
+  await value(`followed = new Promise((done) => addEventListener("hashchange", () => done(1), { once: true })); 0`);
   await press("Enter", "Enter", "\r");
-  await followed;
+  await value("followed");
   steps.link = await state();
   await send("Emulation.setEmulatedMedia", { media: "print" });
   steps.printed = await state();
@@ -105,6 +106,9 @@ async function use() {
   steps.without_scripts = await state();
   return { steps, errors };
 }
+
+// A browser that stops answering fails the test instead of holding it up.
+setTimeout(() => { chromium.kill(); console.error("no answer"); process.exit(1); }, 120_000).unref();
 
 use().then((found) => { console.log(JSON.stringify(found)); }, (error) => { console.error(error); process.exitCode = 1; })
   .finally(() => chromium.kill());
