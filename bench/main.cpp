@@ -1,6 +1,7 @@
 // recede_bench: simplification measured, ours beside the peers, on the same inputs in one run.
 #include "bench_report.h"
 #include "hard_case_run.h"
+#include "progressive_run.h"
 #include "same_bytes.h"
 #include <recede/geometry/error.h>
 
@@ -16,10 +17,12 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "folder for results.csv, results.md and the plots (out/bench)");
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
-  bool hard_cases = false, same_bytes = false;
+  bool hard_cases = false, same_bytes = false, progressive = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
+  app.add_flag("--progressive", progressive,
+               "instead, progressive meshes beside OpenMesh's, textures, charts and maps");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
   app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
@@ -28,6 +31,10 @@ int main(int argc, char** argv) {
   try {
     if (hard_cases) {
       recede::bench::write_hard_cases(recede::bench::run_hard_cases(options), options.out);
+      return 0;
+    }
+    if (progressive) {
+      fmt::print("{}", recede::bench::progressive_tables(recede::bench::run_progressive(options)));
       return 0;
     }
     if (same_bytes) {

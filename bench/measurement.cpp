@@ -42,12 +42,6 @@ SimplifyTarget target_of(const Goal& goal, const PolygonSoup& soup) {
   return target;
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 /// Fills in times and memory; hands back the first run's outcome.
 Outcome time_runs(const System& system, const PolygonSoup& soup, const SimplifyTarget& target,
                   std::size_t repeats, Figures& figures) {
@@ -150,6 +144,24 @@ bool Row::reached_target() const {
   if (!figures) return false;
   const std::size_t count = goal.ends_with("vertices") ? figures->vertices : figures->faces;
   return target == 0 || static_cast<double>(count) <= k_target_slack * static_cast<double>(target);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double median_seconds(std::size_t runs, const std::function<void()>& work,
+                      const std::function<void()>& before_each) {
+  std::vector<double> seconds;
+  while (seconds.size() < runs) {
+    if (before_each) before_each();
+    const double before = process_seconds();
+    work();
+    seconds.push_back(process_seconds() - before);
+  }
+  return median(seconds);
 }
 
 Row measure(const System& system, const Model& model, const Goal& goal, const MeasureOptions& options) {

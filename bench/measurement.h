@@ -58,4 +58,11 @@ struct MeasureOptions {
 /// input.
 Row measure(const System& system, const Model& model, const Goal& goal, const MeasureOptions& options);
 
+double median(std::vector<double> values);
+
+/// Median over the runs of the processor time that `work` takes, all threads together. `before_each` isn't
+/// timed.
+double median_seconds(std::size_t runs, const std::function<void()>& work,
+                      const std::function<void()>& before_each = {});
+
 }  // namespace recede::bench

@@ -1,6 +1,7 @@
 #include "models.h"
 
 #include "child_process.h"
+#include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/polygon_mesh.h>
@@ -25,7 +26,7 @@ ModelSource sphere(const std::string& name, std::size_t faces, bool triangles) {
 }
 
 void round_to_float(PolygonSoup& soup) {
-  for (Vec3& p : soup.positions) p = p.cast<float>().cast<double>();
+  for (Vec3& p : soup.positions) p = p.unaryExpr(&detail::rounded_to_float);
 }
 
 }  // namespace

@@ -21,17 +21,6 @@ Image picture_of(const PolygonSoup& surface, const PolygonSoup& input) {
   return render(Scene(surface), camera, options);
 }
 
-Image side_by_side(const std::array<Image, 4>& images) {
-  Image all(4 * images[0].width, images[0].height);
-  for (int y = 0; y < all.height; ++y) {
-    for (int x = 0; x < all.width; ++x) {
-      const Image& image = images[static_cast<std::size_t>(x / images[0].width)];
-      all.at(x, y) = image.at(x % image.width, y);
-    }
-  }
-  return all;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -57,8 +46,9 @@ int main(int argc, char** argv) try {
   bare.corner_normals = maps.surface.corner_normals;
   const recede::PolygonSoup mapped = recede::dice_surface(maps, {.displace = false});
   const recede::PolygonSoup displaced = recede::dice_surface(maps);
-  recede::write_png(argv[2], side_by_side({picture_of(bare, fine), picture_of(mapped, fine),
-                                           picture_of(displaced, fine), picture_of(fine, fine)}));
+  recede::write_png(argv[2],
+                    recede::side_by_side(std::array{picture_of(bare, fine), picture_of(mapped, fine),
+                                                    picture_of(displaced, fine), picture_of(fine, fine)}));
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';
   return 1;

@@ -5,6 +5,7 @@
 #include <recede/geometry/mesh_io.h>
 #include <recede/render/renderer.h>
 
+#include <array>
 #include <cmath>
 #include <iostream>
 
@@ -49,16 +50,6 @@ PolygonSoup flat(const AtlasResult& atlas) {
   return soup;
 }
 
-Image beside(const Image& left, const Image& right) {
-  Image both(left.width + right.width, left.height);
-  for (int y = 0; y < both.height; ++y) {
-    for (int x = 0; x < both.width; ++x) {
-      both.at(x, y) = x < left.width ? left.at(x, y) : right.at(x - left.width, y);
-    }
-  }
-  return both;
-}
-
 Image picture_of(const AtlasResult& atlas) {
   constexpr int k_size = 300;
   PolygonSoup surface = atlas.soup, plane = flat(atlas);
@@ -70,7 +61,8 @@ Image picture_of(const AtlasResult& atlas) {
   const Camera above = frame_points(square, Vec3::UnitZ(), Vec3::UnitY(), 0.05, k_size, 0.05);
   RenderOptions options;
   options.samples_per_pixel = 9;
-  return beside(render(Scene(surface), camera, options), render(Scene(plane), above, options));
+  return side_by_side(
+      std::array{render(Scene(surface), camera, options), render(Scene(plane), above, options)});
 }
 
 }  // namespace

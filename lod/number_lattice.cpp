@@ -1,3 +1,4 @@
+#include <recede/geometry/detail/format_io.h>
 #include <recede/lod/detail/number_lattice.h>
 
 #include <algorithm>
@@ -18,7 +19,7 @@ std::uint64_t bits_of(double value) { return std::bit_cast<std::uint64_t>(value)
 bool is_float(double value) {
   if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max()) || std::isnan(value))
     return false;
-  return bits_of(static_cast<double>(static_cast<float>(value))) == bits_of(value);
+  return bits_of(rounded_to_float(value)) == bits_of(value);
 }
 
 bool is_decimal(double value, double step) {

@@ -47,6 +47,24 @@ Image shrink(const Image& image, int factor) {
   return small;
 }
 
+Image side_by_side(std::span<const Image> images) {
+  int width = 0, height = 0;
+  for (const Image& image : images) {
+    width += image.width;
+    height = std::max(height, image.height);
+  }
+  Image all(width, height, Rgb::Ones());
+  int left = 0;
+  for (const Image& image : images) {
+    const int above = (height - image.height) / 2;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) all.at(left + x, above + y) = image.at(x, y);
+    }
+    left += image.width;
+  }
+  return all;
+}
+
 std::string encode_png(const Image& image) {
   Raster raster{.width = image.width, .height = image.height, .channels = 3, .srgb = true, .samples = {}};
   raster.samples.reserve(3 * image.pixels.size());

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,10 @@ Rgb rgb_from_hex(unsigned hex);
 /// Means (in linear light) over blocks of `factor` x `factor` pixels; blocks at the right and lower border
 /// may be smaller. Throws `OptionError` for a factor below 1.
 Image shrink(const Image& image, int factor);
+
+/// One picture of all, from left to right without gaps, as high as the highest. Lower ones stand in the
+/// middle of that height, with white above and below. Throws `OptionError` when there are none.
+Image side_by_side(std::span<const Image> images);
 
 /// The bytes of a PNG file: 8 bits a channel, sRGB. Throws `Error` with libpng's reason.
 std::string encode_png(const Image& image);

@@ -64,4 +64,6 @@ std::string short_number(double number) {
   return text.substr(0, mark) + "×10" + raised;
 }
 
+std::string percent(double share) { return short_number(100 * share) + " %"; }
+
 }  // namespace recede::detail

@@ -14,6 +14,7 @@ namespace recede {
 namespace {
 
 using detail::LevelContent;
+using detail::MapContent;
 using detail::SwitchView;
 
 constexpr int k_largest_shown = 420;  // pixels a side; larger pictures are shrunk
@@ -84,6 +85,48 @@ Camera close_up_camera(const PolygonMesh& mesh, const Vec3& up) {
                       k_margin);
 }
 
+Image to_image(const Raster& raster) {
+  Image image(raster.width, raster.height);
+  const float largest = raster.bits == 16 ? 65535.0f : 255.0f;
+  for (int y = 0; y < raster.height; ++y) {
+    for (int x = 0; x < raster.width; ++x) {
+      for (int channel = 0; channel < 3; ++channel) {
+        const auto sample = static_cast<float>(raster.at(x, y, raster.channels == 3 ? channel : 0));
+        image.at(x, y)[channel] = decode_srgb(sample / largest);
+      }
+    }
+  }
+  return image;
+}
+
+bool change_the_look(const BakedMaps& maps) {
+  return !maps.displacement.samples.empty() || !maps.normal.samples.empty();
+}
+
+// The surface that displacement and normals stand for, in facets of about a pixel.
+PolygonSoup mapped_surface(const BakedMaps& maps) {
+  constexpr double k_facets = 2.0 * k_close_up_side * k_close_up_side;
+  const double triangles = static_cast<double>(std::max<std::size_t>(1, maps.surface.n_faces()));
+  return dice_surface(maps, {.parts = std::max(1, static_cast<int>(std::sqrt(k_facets / triangles)))});
+}
+
+MapContent draw_maps(const BakedMaps& maps, const Camera& camera, const RenderOptions& options,
+                     Progress* progress) {
+  MapContent content;
+  if (change_the_look(maps)) {
+    content.close_up = render(Scene(mapped_surface(maps)), camera, options, progress);
+  }
+  const auto add = [&content](const char* name, const Raster& raster) {
+    if (raster.samples.empty()) return;
+    const int factor = (raster.width + detail::k_map_side - 1) / detail::k_map_side;
+    content.pictures.push_back({name, shrink(to_image(raster), factor)});
+  };
+  add("Displacement", maps.displacement);
+  add("Normals", maps.normal);
+  add("Colours", maps.color);
+  return content;
+}
+
 // Hands on the progress of one picture as a part of the whole report's.
 class PictureProgress : public Progress {
  public:
@@ -102,7 +145,10 @@ class PictureProgress : public Progress {
 
 std::vector<LevelContent> draw_levels(const LodHierarchy& hierarchy, const Vec3& up, Progress* progress) {
   const std::size_t count = hierarchy.levels.size();
-  PictureProgress pictures(progress, 3 * count - 2);
+  const auto with_maps =
+      std::count_if(hierarchy.levels.begin(), hierarchy.levels.end(),
+                    [](const LodLevel& level) { return level.maps && change_the_look(*level.maps); });
+  PictureProgress pictures(progress, 3 * count - 2 + static_cast<std::size_t>(with_maps));
   std::vector<LevelContent> levels(count);
   const Scene original(hierarchy.levels[0].mesh);
   const Camera camera = close_up_camera(hierarchy.levels[0].mesh, up);
@@ -116,6 +162,11 @@ std::vector<LevelContent> draw_levels(const LodHierarchy& hierarchy, const Vec3&
     levels[i].summary = summarize(hierarchy.levels[i].mesh);
     levels[i].close_up = render(scene, camera, close_up, &pictures);
     levels[i].at_switch = compare_at_switch(hierarchy, i, original, scene, up, &pictures);
+    if (hierarchy.levels[i].maps) {
+      RenderOptions smooth = close_up;
+      smooth.wireframe.reset();
+      levels[i].maps = draw_maps(*hierarchy.levels[i].maps, camera, smooth, &pictures);
+    }
   }
   return levels;
 }

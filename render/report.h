@@ -34,7 +34,10 @@ struct ReportFiles {
 ///     error: max, rms, bound, and the same as shares of the diagonal in max_relative, rms_relative,
 ///     bound_relative; switch_distance, screen_coverage (0 to 1), seconds: simplify, measure; stop_reason;
 ///     image_difference: null for level 0, else rmse, max, changed_share (see image_difference.h),
-///       width, height (pixels compared), samples_per_pixel, camera_distance (to the sphere's center).
+///       width, height (pixels compared), samples_per_pixel, camera_distance (to the sphere's center);
+///     maps: null without any, else size (texels a side), max and rms (of the displaced level; null without
+///       a displacement map), seam_difference, texels, missed, search_distance, atlas_reason, seconds
+///       (see displacement_bake.h).
 /// Numbers that aren't finite are null.
 ///
 /// Throws `OptionError` when `files` doesn't fit the hierarchy's levels or `up` is zero, `InputError` when a

@@ -1,4 +1,3 @@
-#include <recede/geometry/detail/base64.h>
 #include <recede/render/detail/markup.h>
 #include <recede/render/detail/report_content.h>
 #include <recede/render/svg_plot.h>
@@ -40,19 +39,32 @@ td.text, th.text { text-align: left; }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 420px), 1fr)); gap: 14px; }
 .plot, .level { border: 1px solid var(--line); border-radius: 8px; background: var(--raised); padding: 14px; }
 .plots svg { display: block; width: 100%; }
-.level { margin: 0 0 14px; }
-.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 360px), 1fr)); gap: 14px; }
-.pictures { display: flex; flex-wrap: wrap; gap: 14px; align-items: flex-start; margin-top: 8px; }
+.slider { position: sticky; top: 0; z-index: 1; display: flex; flex-wrap: wrap; align-items: center; gap: 6px 14px;
+  margin: 0 0 14px; padding: 10px 14px; border: 1px solid var(--line); border-radius: 8px; background: var(--raised); }
+.slider input[type=range] { flex: 1 1 240px; accent-color: #2f6fb3; }
+.slider output { flex: 0 1 auto; min-width: 24ch; font-variant-numeric: tabular-nums; }
+@media screen { [hidden] { display: none !important; } }
+@media print { .slider { display: none; } }
+.level { display: grid; grid-template-columns: minmax(220px, 1fr) minmax(0, 868px); gap: 18px; margin: 0 0 14px;
+  scroll-margin-top: 64px; }
+.level dl { display: grid; margin-top: 10px; font-variant-numeric: tabular-nums; }
+.level dd small { display: block; color: var(--faint); font-size: 12px; }
+.pictures { display: flex; flex-wrap: wrap; gap: 14px; align-items: flex-start; align-content: flex-start; }
 figure { margin: 0; max-width: 100%; }
+.shot { width: 420px; }
+.maps { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; width: 420px; max-width: 100%; }
+.maps img { width: 100%; }
+.frame { display: grid; place-items: center; aspect-ratio: 1; border-radius: 4px; overflow: hidden; }
 a { color: inherit; }
 figure img { display: block; max-width: 100%; height: auto; border-radius: 4px; }
-figure.enlarged img { image-rendering: pixelated; }
+img.enlarged { image-rendering: pixelated; }
 figcaption { font-size: 12.5px; line-height: 1.35; margin-top: 5px; contain: inline-size; }
 .scale { height: 10px; border-radius: 3px; margin-top: 8px; }
 .ends { display: flex; justify-content: space-between; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 5px 16px; margin: 0; font-size: 14px; }
 dt { font-weight: 600; }
 dd { margin: 0; max-width: 80ch; }
+@media (max-width: 760px) { .level { grid-template-columns: minmax(0, 1fr); } }
 @media (max-width: 560px) { dl { display: block; } dd { margin-bottom: 8px; } body { padding: 16px 12px 40px; } }
 )";
 
@@ -62,8 +74,6 @@ std::string bytes_text(std::uintmax_t bytes) {
   if (bytes < 1'000'000) return short_number(size / 1e3) + " kB";
   return bytes < 1'000'000'000 ? short_number(size / 1e6) + " MB" : short_number(size / 1e9) + " GB";
 }
-
-std::string percent(double share) { return short_number(100 * share) + " %"; }
 
 double in_degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
@@ -92,8 +102,7 @@ std::string error_cell(double error, double diagonal) {
 std::string table_row(const ReportContent& content, std::size_t index) {
   const LodLevel& level = content.hierarchy.levels[index];
   const LevelContent& drawn = content.levels[index];
-  std::string row = fmt::format("<tr id=\"row-{0}\"><td>{1}</td>", index,
-                                index == 0 ? "0" : fmt::format("<a href=\"#level-{0}\">{0}</a>", index));
+  std::string row = fmt::format("<tr id=\"row-{0}\"><td><a href=\"#level-{0}\">{0}</a></td>", index);
   row += cell(grouped(drawn.summary.faces), kinds_of_faces(drawn.summary));
   row += cell(grouped(drawn.summary.vertices));
   row += cell(bytes_text(content.files.level_bytes[index]));
@@ -126,18 +135,23 @@ std::string summary_table(const ReportContent& content) {
 }
 
 std::string error_plot(const ReportContent& content) {
-  PlotSeries bound{"certified bound", {}}, max{"maximum", {}}, rms{"RMS", {}};
+  PlotSeries bound{"certified bound", {}}, max{"maximum", {}}, rms{"RMS", {}}, displaced{"RMS with maps", {}};
   for (std::size_t i = 1; i < content.levels.size(); ++i) {
     const double faces = static_cast<double>(content.levels[i].summary.faces);
     const LevelError& error = content.hierarchy.levels[i].error;
     bound.points.emplace_back(faces, error.bound);
     max.points.emplace_back(faces, error.max);
     rms.points.emplace_back(faces, error.rms);
+    if (const auto& accuracy = content.hierarchy.levels[i].map_accuracy) {
+      displaced.points.emplace_back(faces, accuracy->rms);
+    }
   }
+  std::vector<PlotSeries> series{bound, max, rms};
+  if (!displaced.points.empty()) series.push_back(displaced);
   return svg_plot({.title = "Error against size",
                    .x = {"faces", true},
                    .y = {"error (object units)", true},
-                   .series = {bound, max, rms}});
+                   .series = series});
 }
 
 std::string seconds_plot(const ReportContent& content) {
@@ -151,73 +165,6 @@ std::string seconds_plot(const ReportContent& content) {
                    .x = {"faces", true},
                    .y = {"seconds", false},
                    .series = {simplify, measure}});
-}
-
-// Small pictures are enlarged by a whole factor, so that every pixel of the camera stays a square.
-int enlargement(const Image& image) {
-  constexpr int k_wanted = 260;
-  return std::max(1, k_wanted / std::max(image.width, image.height));
-}
-
-std::string figure(const Image& image, std::string_view alternative, const std::string& caption,
-                   int factor = 1) {
-  return fmt::format(
-      "<figure class=\"{}\"><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">"
-      "<figcaption>{}</figcaption></figure>\n",
-      factor > 1 ? "enlarged" : "plain", image.width * factor, image.height * factor,
-      escape_markup(alternative), encode_base64(encode_png(image)), caption);
-}
-
-std::string heat_scale() {
-  std::string stops;
-  for (const unsigned color : heat_map_colors()) stops += fmt::format(", #{:06x}", color);
-  return fmt::format(
-      "<div class=\"scale\" style=\"background: linear-gradient(to right{})\"></div>"
-      "<div class=\"ends\"><span>0</span><span>{:g}</span></div>",
-      stops, k_heat_map_scale);
-}
-
-std::string size_note(const SwitchView& view, int factor) {
-  const std::string size = fmt::format("{} × {} pixels", view.difference.width, view.difference.height);
-  if (view.shrink_factor > 1) return size + fmt::format(", shown {} times smaller", view.shrink_factor);
-  return factor > 1 ? size + fmt::format(", shown {} times larger", factor) : size;
-}
-
-std::string switch_figures(const SwitchView& view, std::size_t index) {
-  const int factor = enlargement(view.level);
-  const std::string cut =
-      view.sphere_fits ? "" : " The image's middle: the model's sphere is larger than the image.";
-  const ImageDifference& difference = view.difference;
-  return figure(view.level, fmt::format("Level {} at its switch distance", index),
-                fmt::format("Level {} at its switch distance. {}.{}", index, size_note(view, factor), cut),
-                factor) +
-         figure(view.original, "The original from the same camera", "The original from the same camera.",
-                factor) +
-         figure(view.heat, "Difference of both pictures",
-                heat_scale() + fmt::format("Difference: RMSE {}, largest {}, {} of pixels above 1/255.",
-                                           short_number(difference.rmse), short_number(difference.max),
-                                           percent(difference.changed_share)),
-                factor);
-}
-
-std::string close_ups(const ReportContent& content) {
-  std::string html = "<h2>From near, with the polygons' sides</h2>\n<div class=\"gallery\">\n";
-  for (std::size_t i = 0; i < content.levels.size(); ++i) {
-    html += figure(content.levels[i].close_up, fmt::format("Level {} from near", i),
-                   fmt::format("Level {}: {} faces", i, grouped(content.levels[i].summary.faces)));
-  }
-  return html + "</div>\n";
-}
-
-std::string level_section(const ReportContent& content, std::size_t index) {
-  const LodLevel& level = content.hierarchy.levels[index];
-  return fmt::format(
-             "<section class=\"level\" id=\"level-{0}\"><h3>Level {0}: {1} faces</h3>\n"
-             "<p class=\"faint\">Serves from distance {2} on; off by at most {3} object units.</p>\n"
-             "<div class=\"pictures\">\n",
-             index, grouped(content.levels[index].summary.faces), short_number(level.switch_distance),
-             short_number(level.error.bound)) +
-         switch_figures(*content.levels[index].at_switch, index) + "</div>\n</section>\n";
 }
 
 std::string header(const ReportContent& content) {
@@ -256,7 +203,14 @@ distance, where 1 is the step from black to white; below it, the share of pixels
 <dt>Pictures</dt><dd>The camera stands where the bounding sphere's nearest point is at the switch distance and
 looks at its center; the picture is cut to the sphere. Light grey surfaces have no material. Shading shows normals, so a
 picture may differ where the shape is within its bound.</dd>
-</dl>
+)";
+
+constexpr std::string_view k_how_to_read_maps =
+    R"(<dt>With maps</dt><dd>Error of the level when the displacement map moves its points, in object units; dark places of that map lie
+deep, light ones high.</dd>
+<dt>Seam difference</dt><dd>Largest difference between the heights on both sides of a seam of the maps, in object units.</dd>
+<dt>Missed texels</dt><dd>Those whose line along the normal met nothing of the original; its closest point took over.</dd>
+<dt>Atlas</dt><dd>Whether the maps use the original's texture coordinates, or why the level got new ones.</dd>
 )";
 
 }  // namespace
@@ -274,10 +228,10 @@ std::string report_html(const ReportContent& content) {
     html += "<div class=\"plots\">\n<div class=\"plot\">" + error_plot(content) +
             "</div>\n<div class=\"plot\">" + seconds_plot(content) + "</div>\n</div>\n";
   }
-  html += close_ups(content);
-  if (content.levels.size() > 1) html += "<h2>At the switch distances</h2>\n";
-  for (std::size_t i = 1; i < content.levels.size(); ++i) html += level_section(content, i);
+  html += level_sections(content);
   html += k_how_to_read;
+  if (has_maps(content)) html += k_how_to_read_maps;
+  html += "</dl>\n";
   return html + "</body>\n</html>\n";
 }
 

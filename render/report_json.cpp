@@ -29,6 +29,22 @@ Json difference_fields(const SwitchView& view) {
           {"camera_distance", view.camera_distance}};
 }
 
+Json map_fields(const ReportContent& content, std::size_t index) {
+  const LodLevel& level = content.hierarchy.levels[index];
+  if (!level.maps) return nullptr;
+  const MapReport& report = level.maps->report;
+  const auto& accuracy = level.map_accuracy;
+  return {{"size", level.maps->size},
+          {"max", accuracy ? Json(accuracy->max) : Json()},
+          {"rms", accuracy ? Json(accuracy->rms) : Json()},
+          {"seam_difference", report.seam_difference},
+          {"texels", report.texels},
+          {"missed", report.missed},
+          {"search_distance", report.search_distance},
+          {"atlas_reason", report.atlas_reason},
+          {"seconds", report.seconds}};
+}
+
 Json level_fields(const ReportContent& content, std::size_t index) {
   const LodLevel& level = content.hierarchy.levels[index];
   const LevelContent& drawn = content.levels[index];
@@ -45,7 +61,8 @@ Json level_fields(const ReportContent& content, std::size_t index) {
           {"screen_coverage", level.screen_coverage},
           {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
           {"stop_reason", level.stop_reason},
-          {"image_difference", drawn.at_switch ? difference_fields(*drawn.at_switch) : Json()}};
+          {"image_difference", drawn.at_switch ? difference_fields(*drawn.at_switch) : Json()},
+          {"maps", map_fields(content, index)}};
 }
 
 }  // namespace

@@ -17,4 +17,7 @@ std::string grouped(std::size_t number);
 /// on.
 std::string short_number(double number);
 
+/// A share of 1 as `short_number` of percent.
+std::string percent(double share);
+
 }  // namespace recede::detail

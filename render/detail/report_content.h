@@ -21,10 +21,25 @@ struct SwitchView {
   bool sphere_fits = true;     ///< false: the bounding sphere is larger than the image
 };
 
+/// A map of a level for showing.
+struct MapPicture {
+  std::string name;  ///< "Displacement", "Normals" or "Colours"
+  Image image;       ///< shrunk to `k_map_side` pixels a side or a little less
+};
+
+/// The maps of a level, for showing.
+struct MapContent {
+  /// The level with its displacement and normals by the camera of its own picture, unless it has colours
+  /// only.
+  std::optional<Image> close_up;
+  std::vector<MapPicture> pictures;
+};
+
 struct LevelContent {
   MeshSummary summary;
   Image close_up;  ///< with the polygons' sides
   std::optional<SwitchView> at_switch;
+  std::optional<MapContent> maps;
 };
 
 struct ReportContent {
@@ -38,6 +53,15 @@ struct ReportContent {
 /// Difference that heat maps show in their lightest colour, the same for all levels so that they can be
 /// compared.
 inline constexpr double k_heat_map_scale = 0.25;
+
+/// Maps are shown no larger: normal maps hardly compress, and the report is one file.
+inline constexpr int k_map_side = 256;
+
+/// Whether any level has maps.
+bool has_maps(const ReportContent& content);
+
+/// The slider over the levels, and a section for each with its figures and pictures.
+std::string level_sections(const ReportContent& content);
 
 std::string report_html(const ReportContent& content);
 std::string report_json(const ReportContent& content);

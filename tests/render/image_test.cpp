@@ -79,6 +79,35 @@ TEST(Image, ShrinkingTakesMeansOverBlocksAndOverWhatIsLeftAtTheBorder) {
   EXPECT_FLOAT_EQ(small.at(1, 0).x(), (2 + 5) / 2.0f);
 }
 
+TEST(Image, ImagesSideBySideStandInTheMiddleOfTheHighest) {
+  const Rgb red(1, 0, 0), green(0, 1, 0), white(1, 1, 1);
+  const std::vector<Image> images{Image(2, 4, red), Image(1, 1, green), Image(1, 2, green)};
+  const Image all = side_by_side(images);
+  ASSERT_EQ(all.width, 4);
+  ASSERT_EQ(all.height, 4);
+  const std::vector<Rgb> rows[] = {
+      {red, red, white, white}, {red, red, green, green}, {red, red, white, green}, {red, red, white, white}};
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      EXPECT_EQ(all.at(x, y), rows[y][static_cast<std::size_t>(x)]) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(Image, ImagesSideBySideKeepTheirPixels) {
+  Image left(2, 2), right(3, 2);
+  float value = 0;
+  for (Image* image : {&left, &right}) {
+    for (Rgb& pixel : image->pixels) pixel = Rgb::Constant(value += 0.0625f);
+  }
+  const Image both = side_by_side(std::vector<Image>{left, right});
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 2; ++x) EXPECT_EQ(both.at(x, y), left.at(x, y));
+    for (int x = 0; x < 3; ++x) EXPECT_EQ(both.at(2 + x, y), right.at(x, y));
+  }
+  EXPECT_THROW(side_by_side({}), OptionError);
+}
+
 TEST(Image, ImagesWithoutPixelsAreRefused) { EXPECT_THROW(Image(0, 4), OptionError); }
 
 }  // namespace

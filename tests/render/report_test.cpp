@@ -65,14 +65,16 @@ TEST_F(Report, HasARowAndASectionForEachLevelAndNoReferenceOutside) {
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_THAT(html, HasSubstr(fmt::format("id=\"row-{}\"", i)));
     EXPECT_THAT(html, HasSubstr(fmt::format("alt=\"Level {} from near\"", i)));
+    EXPECT_THAT(html, HasSubstr(fmt::format("id=\"level-{}\"", i)));
     // The input has no switch distance to be seen from.
-    EXPECT_EQ(html.find(fmt::format("id=\"level-{}\"", i)) != std::string::npos, i > 0);
+    EXPECT_EQ(html.find(fmt::format("alt=\"Level {} at its switch distance\"", i)) != std::string::npos,
+              i > 0);
   }
   EXPECT_THAT(html, Not(HasSubstr("row-4")));
   EXPECT_THAT(html, HasSubstr("<h1>ball &lt;&amp; co&gt;</h1>"));
-  EXPECT_EQ(find_markup_error(html, {"meta", "img", "br"}), "");
+  EXPECT_EQ(find_markup_error(html, {"meta", "img", "br", "input"}), "");
   for (const char* reference :
-       {"src=\"http", "href=\"http", "url(", "@import", "<script", "<link", "src=\"//"}) {
+       {"src=\"http", "href=\"http", "url(", "@import", "<script ", "<link", "src=\"//"}) {
     EXPECT_THAT(html, Not(HasSubstr(reference)));
   }
 }
@@ -118,6 +120,78 @@ TEST_F(Report, AtItsSwitchDistanceALevelHardlyDiffersFromTheOriginal) {
   }
 }
 
+// A level of the sphere with heights, normals and a few misses that nobody baked.
+void give_maps(LodLevel& level, bool displacement) {
+  BakedMaps maps;
+  maps.surface = to_soup(level.mesh);
+  maps.surface.corner_uvs.assign(maps.surface.n_corners(), Vec2(0.5, 0.5));
+  for (const Index vertex : maps.surface.corner_vertices) {
+    maps.surface.corner_normals.push_back((maps.surface.positions[vertex] - Vec3(10, 0, 0)).normalized());
+  }
+  maps.corner_tangents.assign(maps.surface.n_corners(), Vec4(0, 0, 1, 1));
+  maps.size = 600;
+  maps.normal = {
+      .width = 600, .height = 600, .channels = 3, .samples = std::vector<std::uint16_t>(600 * 600 * 3, 128)};
+  if (displacement) {
+    maps.displacement = {
+        .width = 600, .height = 600, .bits = 16, .samples = std::vector<std::uint16_t>(600 * 600, 65535)};
+    maps.height_scale = 0.25;
+    maps.height_offset = -0.125;
+    level.map_accuracy = MapAccuracy{.bare_max = 0.5, .bare_rms = 0.25, .max = 0.0625, .rms = 0.03125};
+  }
+  maps.report = {.atlas_reason = "triangles overlap",
+                 .search_distance = 2,
+                 .texels = 360'000,
+                 .missed = 1234,
+                 .seam_edges = 7,
+                 .seam_difference = 0.0078125,
+                 .seconds = 3};
+  level.maps = std::move(maps);
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_F(Report, ShowsTheMapsOfALevelWithTheirFigures) {
+  LodHierarchy hierarchy = sphere_levels("ball");
+  give_maps(hierarchy.levels[1], true);
+  give_maps(hierarchy.levels[2], false);
+  const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
+  const std::string html = read_whole_file(written.html);
+  EXPECT_EQ(find_markup_error(html, {"meta", "img", "br", "input"}), "");
+  EXPECT_EQ(count_of(html, "alt=\"Displacement of level 1\""), 1u);
+  EXPECT_EQ(count_of(html, "alt=\"Displacement of level"), 1u);
+  EXPECT_EQ(count_of(html, "alt=\"Normals of level"), 2u);
+  EXPECT_EQ(count_of(html, "alt=\"Colours of level"), 0u);
+  EXPECT_EQ(count_of(html, " with its maps\""), 2u);
+  // 600 texels are shown a third as large.
+  EXPECT_EQ(count_of(html, "width=\"200\" height=\"200\""), 3u);
+  EXPECT_THAT(html, HasSubstr("600 × 600 texels: black -0.125, white 0.125 object units"));
+  for (const char* text : {"0.0625", "0.0312", "0.00781", "triangles overlap", "RMS with maps"}) {
+    EXPECT_THAT(html, HasSubstr(text));
+  }
+  const auto levels = nlohmann::json::parse(read_whole_file(written.json))["levels"];
+  EXPECT_TRUE(levels[0]["maps"].is_null());
+  EXPECT_TRUE(levels[3]["maps"].is_null());
+  EXPECT_EQ(levels[1]["maps"]["size"], 600);
+  EXPECT_EQ(levels[1]["maps"]["rms"], 0.03125);
+  EXPECT_EQ(levels[1]["maps"]["max"], 0.0625);
+  EXPECT_TRUE(levels[2]["maps"]["rms"].is_null());
+  EXPECT_EQ(levels[2]["maps"]["seam_difference"], 0.0078125);
+  EXPECT_EQ(levels[2]["maps"]["missed"], 1234);
+  EXPECT_EQ(levels[2]["maps"]["atlas_reason"], "triangles overlap");
+}
+
+TEST_F(Report, SaysNothingOfMapsWhereThereAreNone) {
+  const LodHierarchy hierarchy = sphere_levels("ball");
+  const std::string html = read_whole_file(write_report(folder_, hierarchy, files_of(hierarchy)).html);
+  for (const char* word : {"with maps", "with its maps", "texels"})
+    EXPECT_EQ(count_of(html, word), 0u) << word;
+}
+
 TEST_F(Report, AnIdenticalLevelShowsNoDifference) {
   LodHierarchy hierarchy = sphere_levels("ball");
   hierarchy.levels[1].mesh = hierarchy.levels[0].mesh;
@@ -132,7 +206,9 @@ TEST_F(Report, AHierarchyOfTheInputAloneHasAReport) {
   LodHierarchy hierarchy = sphere_levels("ball");
   hierarchy.levels.resize(1);
   const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
-  EXPECT_THAT(read_whole_file(written.html), HasSubstr("alt=\"Level 0 from near\""));
+  const std::string html = read_whole_file(written.html);
+  EXPECT_THAT(html, HasSubstr("alt=\"Level 0 from near\""));
+  EXPECT_THAT(html, Not(HasSubstr("type=\"range\"")));
 }
 
 TEST_F(Report, FilesThatDoNotFitTheLevelsAreRefusedAndNothingIsWritten) {

@@ -1,0 +1,166 @@
+#include "progressive_run.h"
+
+#include "child_process.h"
+#include "models.h"
+#include <recede/geometry/chart_atlas.h>
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_distance.h>
+#include <recede/lod/displacement_bake.h>
+#include <recede/lod/pmesh.h>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <cstdlib>
+
+namespace recede::bench {
+namespace {
+
+constexpr unsigned k_seconds_allowed = 900;
+
+std::size_t share_of_faces(const PolygonSoup& soup, double share) {
+  return static_cast<std::size_t>(share * static_cast<double>(soup.n_faces()));
+}
+
+double rms_share(const PolygonSoup& input, const PolygonSoup& result) {
+  const MeshDistance distance = measure_distance(input, result);
+  return distance.rms / distance.diagonal;
+}
+
+ProgressiveOptions progressive_options(const PolygonSoup& soup, bool prove) {
+  ProgressiveOptions options;
+  options.simplify.target.faces = share_of_faces(soup, k_base_share);
+  options.simplify.placement = VertexPlacement::half_edge;
+  options.simplify.prove_error = prove;
+  return options;
+}
+
+ProgressiveFigures::File measure_file(const ProgressiveMesh& mesh, const PmeshOptions& options,
+                                      const std::filesystem::path& path, std::size_t repeats) {
+  ProgressiveFigures::File file;
+  file.write_seconds = median_seconds(repeats, [&] { file.bytes = write_pmesh(path, mesh, options).bytes; });
+  file.read_seconds = median_seconds(repeats, [&] {
+    if (read_pmesh(path).n_splits() != mesh.n_splits()) throw Error("the file lost splits");
+  });
+  return file;
+}
+
+ProgressiveFigures measure_ours(const PolygonSoup& soup, const std::filesystem::path& path,
+                                std::size_t repeats) {
+  ProgressiveFigures figures;
+  const ProgressiveOptions options = progressive_options(soup, false);
+  figures.simplify_seconds = median_seconds(repeats, [&] { simplify(soup, options.simplify); });
+  ProgressiveMesh mesh;
+  figures.build_seconds = median_seconds(repeats, [&] { mesh = build_progressive_mesh(soup, options); });
+  const double with_proof =
+      median_seconds(1, [&] { mesh = build_progressive_mesh(soup, progressive_options(soup, true)); });
+  figures.proof_seconds = with_proof - figures.build_seconds;
+  figures.base_faces = mesh.level_faces.front();
+  ProgressiveCursor cursor(mesh);
+  // Once around to touch all memory.
+  cursor.move_to(mesh.n_splits());
+  cursor.move_to(0);
+  figures.refine_seconds = median_seconds(
+      repeats, [&] { cursor.move_to(mesh.n_splits()); }, [&] { cursor.move_to(0); });
+  figures.coarsen_seconds = median_seconds(
+      repeats, [&] { cursor.move_to(0); }, [&] { cursor.move_to(mesh.n_splits()); });
+  figures.lossless = measure_file(mesh, {}, path, repeats);
+  figures.quantised = measure_file(mesh, {.position_bits = k_bits}, path, repeats);
+  return figures;
+}
+
+SimplifySoupResult simplify_with_texture(const PolygonSoup& soup, CostPolicy cost) {
+  SimplifyOptions options;
+  options.target.ratio = k_texture_share;
+  options.cost = cost;
+  options.placement = VertexPlacement::half_edge;
+  options.prove_error = false;
+  return simplify(soup, options);
+}
+
+TextureFigures measure_texture(const PolygonSoup& soup, std::size_t repeats) {
+  TextureFigures figures;
+  AtlasResult atlas;
+  figures.atlas_seconds = median_seconds(repeats, [&] { atlas = make_atlas(soup); });
+  figures.charts = atlas.charts.size();
+  figures.stretch = atlas.stretch.l2;
+  SimplifySoupResult result;
+  const auto run = [&](CostPolicy cost) {
+    return median_seconds(repeats, [&] { result = simplify_with_texture(atlas.soup, cost); });
+  };
+  figures.deviation_seconds = run(CostPolicy::texture_deviation);
+  figures.deviation_rms = rms_share(soup, result.soup);
+  figures.volume_seconds = run(CostPolicy::volume);
+  figures.volume_rms = rms_share(soup, result.soup);
+  return figures;
+}
+
+MapFigures measure_map(const PolygonSoup& soup, std::size_t repeats) {
+  SimplifyOptions coarser;
+  coarser.target.ratio = k_map_share;
+  const SimplifySoupResult coarse = simplify(soup, coarser);
+  MapOptions options;
+  options.size = k_map_size;
+  options.search_distance = MapOptions::k_reach * coarse.error_bound.value();
+  BakedMaps maps;
+  MapFigures figures;
+  figures.seconds = median_seconds(repeats, [&] { maps = bake_maps(soup, coarse.soup, options); });
+  const MapAccuracy accuracy = measure_maps(soup, maps);
+  const double diagonal = bounding_box(soup).diagonal().norm();
+  figures.faces = coarse.faces_after;
+  figures.texels = maps.report.texels;
+  figures.missed = maps.report.missed;
+  figures.bare_rms = accuracy.bare_rms / diagonal;
+  figures.rms = accuracy.rms / diagonal;
+  figures.bare_max = accuracy.bare_max / diagonal;
+  figures.max = accuracy.max / diagonal;
+  return figures;
+}
+
+template <class Figures>
+Measured<Figures> in_child(const std::function<Figures()>& measure) {
+  const ChildAnswer answer = run_in_child(
+      [&] {
+        const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, std::size_t{1});
+        std::string bytes;
+        put(bytes, measure());
+        return bytes;
+      },
+      k_seconds_allowed);
+  if (!answer.succeeded) return {std::nullopt, answer.failure};
+  return {ByteReader(answer.bytes).take<Figures>(), ""};
+}
+
+ProgressiveRow run_model(const ModelSource& source, const BenchOptions& options) {
+  const PolygonSoup soup = load_model(source);
+  const std::filesystem::path file = options.out / "bench.pmesh";
+  ProgressiveRow row{.model = source.name, .faces = soup.n_faces(), .vertices = soup.positions.size()};
+  row.ours = in_child<ProgressiveFigures>([&] { return measure_ours(soup, file, options.repeats); });
+  row.openmesh = in_child<ProgressivePeerFigures>([&] {
+    return run_openmesh_progressive(soup, share_of_faces(soup, k_base_share), file, options.repeats);
+  });
+  row.texture = in_child<TextureFigures>([&] { return measure_texture(soup, options.repeats); });
+  row.maps = in_child<MapFigures>([&] { return measure_map(soup, options.repeats); });
+  std::filesystem::remove(file);
+  return row;
+}
+
+}  // namespace
+
+std::vector<ProgressiveRow> run_progressive(const BenchOptions& options) {
+  std::vector<ModelSource> sources = all_models(options.data, true);
+  std::erase_if(sources, [&](const ModelSource& source) {
+    return source.polygons || !is_wanted(source.name, options.models);
+  });
+  for (const ModelSource& source : sources) require_file(source);
+  std::filesystem::create_directories(options.out);
+  std::vector<ProgressiveRow> rows;
+  for (const ModelSource& source : sources) {
+    rows.push_back(run_model(source, options));
+    fmt::print(stderr, "{} is done\n", source.name);
+    write_progressive(rows, options.out);
+  }
+  return rows;
+}
+
+}  // namespace recede::bench

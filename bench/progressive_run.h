@@ -1,0 +1,83 @@
+// Progressive meshes, texture deviation, charts and maps measured, beside OpenMesh's progressive mesh.
+#pragma once
+
+#include "bench_run.h"
+
+#include <optional>
+
+namespace recede::bench {
+
+/// A base of `k_base_share` of the faces with half-edge collapses, and everything up to the input. Times are
+/// processor seconds of one thread.
+struct ProgressiveFigures {
+  std::size_t base_faces = 0;
+  double simplify_seconds = 0;                     ///< to the same base, without proof
+  double build_seconds = 0;                        ///< without proof
+  double proof_seconds = 0;                        ///< of the errors of all levels
+  double refine_seconds = 0, coarsen_seconds = 0;  ///< a cursor from the base to the input, and back
+  struct File {
+    std::size_t bytes = 0;
+    std::size_t numbering_bytes = 0;  ///< of them, where the input has several vertices at one place
+    double write_seconds = 0, read_seconds = 0;
+  } lossless, quantised;  ///< positions as floats; with `k_bits` bits
+};
+inline constexpr double k_base_share = 0.01;
+inline constexpr int k_bits = 14;
+
+/// A peer's way to the same base, positions as floats.
+struct ProgressivePeerFigures {
+  std::size_t base_faces = 0, bytes = 0;
+  double build_seconds = 0, write_seconds = 0;
+};
+
+/// What a new atlas costs and how well two simplifications with it keep the surface at `k_texture_share` of
+/// the faces. Errors are shares of the diagonal.
+struct TextureFigures {
+  std::size_t charts = 0;
+  double atlas_seconds = 0;  ///< charts, their maps and their packing
+  double stretch = 0;        ///< L2, 1 is best
+  double deviation_rms = 0, deviation_seconds = 0;
+  double volume_rms = 0, volume_seconds = 0;  ///< half-edge collapses
+};
+inline constexpr double k_texture_share = 0.1;
+
+/// Maps of `k_map_size` texels on `k_map_share` of the faces. Errors are shares of the diagonal.
+struct MapFigures {
+  std::size_t faces = 0, texels = 0, missed = 0;
+  double seconds = 0;
+  double bare_rms = 0, rms = 0, bare_max = 0, max = 0;
+};
+inline constexpr double k_map_share = 0.02;
+inline constexpr int k_map_size = 1024;
+
+/// What a measurement gave, or why it gave nothing.
+template <class Figures>
+struct Measured {
+  std::optional<Figures> figures{};
+  std::string failure{};
+};
+
+struct ProgressiveRow {
+  std::string model;
+  std::size_t faces = 0, vertices = 0;
+  Measured<ProgressiveFigures> ours{};
+  Measured<ProgressivePeerFigures> openmesh{};
+  Measured<TextureFigures> texture{};
+  Measured<MapFigures> maps{};
+};
+
+/// All triangle models but the largest whose name `options.models` finds, each measurement in a process of
+/// its own and in one thread.
+std::vector<ProgressiveRow> run_progressive(const BenchOptions& options);
+
+/// In OpenMesh: quadrics and a bound on turning normals, to `base_faces`, recorded and written to `file`.
+ProgressivePeerFigures run_openmesh_progressive(const PolygonSoup& soup, std::size_t base_faces,
+                                                const std::filesystem::path& file, std::size_t repeats);
+
+/// The tables, in Markdown.
+std::string progressive_tables(const std::vector<ProgressiveRow>& rows);
+
+/// Writes progressive.md and progressive.csv into the folder, which is made when missing.
+void write_progressive(const std::vector<ProgressiveRow>& rows, const std::filesystem::path& folder);
+
+}  // namespace recede::bench

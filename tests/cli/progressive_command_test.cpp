@@ -1,0 +1,120 @@
+// `recede progressive` and `recede extract`, from a file through a .pmesh to files of levels.
+#include "run_recede.h"
+#include <recede/geometry/mesh_io.h>
+
+namespace recede::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr std::size_t k_faces = 3000;
+
+json write_pmesh_of_sphere(const TempFolder& folder, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"progressive", write_sphere(folder, k_faces), "-o",
+                                     folder / "sphere.pmesh", "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return json_of(run_recede(arguments));
+}
+
+json extract(const TempFolder& folder, const std::vector<std::string>& level) {
+  std::vector<std::string> arguments{"extract", folder / "sphere.pmesh", "-o", folder / "level.ply",
+                                     "--json"};
+  arguments.insert(arguments.end(), level.begin(), level.end());
+  return json_of(run_recede(arguments));
+}
+
+/// Two-sided distance between the input and the level that was extracted last, as `recede compare` sees it.
+double seen_error(const TempFolder& folder) {
+  return json_of(run_recede({"compare", folder / "sphere.ply", folder / "level.ply", "--json"}))
+      .at("error")
+      .at("max");
+}
+
+TEST(ProgressiveCommand, GivesTheInputBackBitForBit) {
+  const TempFolder folder;
+  const json built = write_pmesh_of_sphere(folder, {"--keep-numbering"});
+  EXPECT_EQ(built.at("bytes"), std::filesystem::file_size(folder / "sphere.pmesh"));
+  const json full = extract(folder, {});
+  EXPECT_EQ(full.at("splits"), built.at("splits"));
+  EXPECT_EQ(full.at("level_error"), 0);
+  const PolygonSoup input = read_soup(folder / "sphere.ply"), output = read_soup(folder / "level.ply");
+  EXPECT_TRUE(input.positions == output.positions);
+  EXPECT_EQ(input.face_offsets, output.face_offsets);
+  EXPECT_EQ(input.corner_vertices, output.corner_vertices);
+}
+
+TEST(ProgressiveCommand, TheBaseHasTheFacesThatWereAskedFor) {
+  const TempFolder folder;
+  const json built = write_pmesh_of_sphere(folder, {"--faces", "100"});
+  EXPECT_LE(built.at("base_faces"), 100);
+  EXPECT_GE(built.at("base_faces"), 98) << "a collapse of a closed surface takes two triangles";
+  EXPECT_EQ(extract(folder, {"--faces", "1"}).at("faces"), built.at("base_faces")) << "nothing is coarser";
+}
+
+TEST(ProgressiveCommand, ALevelByFacesIsTheFinestThatHasNoMore) {
+  const TempFolder folder;
+  const json built = write_pmesh_of_sphere(folder);
+  for (const std::size_t faces : {200u, 1000u}) {
+    const json level = extract(folder, {"--faces", std::to_string(faces)});
+    EXPECT_LE(level.at("faces"), faces);
+    EXPECT_GE(level.at("faces"), faces - 1) << "a split of a closed surface brings two triangles";
+    EXPECT_EQ(read_soup(folder / "level.ply").n_faces(), level.at("faces"));
+    EXPECT_TRUE(level.at("errors_are_proved").get<bool>());
+    EXPECT_LE(seen_error(folder), level.at("level_error"));
+    EXPECT_LE(level.at("level_error"), built.at("base_error"));
+  }
+  EXPECT_EQ(
+      extract(folder, {"--ratio", "0.1"}).at("faces"),
+      extract(folder, {"--faces", std::to_string(built.at("faces").get<std::size_t>() / 10)}).at("faces"));
+}
+
+TEST(ProgressiveCommand, ALevelByErrorIsTheCoarsestThatKeepsIt) {
+  const TempFolder folder;
+  const double base_error = write_pmesh_of_sphere(folder).at("base_error");
+  const double limit = base_error / 4;
+  const json level = extract(folder, {"--error", std::to_string(limit)});
+  EXPECT_LE(level.at("level_error"), limit);
+  EXPECT_LE(seen_error(folder), limit);
+  const std::size_t faces = level.at("faces");
+  const json coarser = extract(folder, {"--faces", std::to_string(faces - 1)});
+  EXPECT_GT(coarser.at("level_error"), limit);
+}
+
+TEST(ProgressiveCommand, BitsMakeTheFileSmallerAndMoveVerticesByNoMoreThanItSays) {
+  const TempFolder folder;
+  const json lossless = write_pmesh_of_sphere(folder);
+  const json quantised = write_pmesh_of_sphere(folder, {"--bits", "10"});
+  EXPECT_EQ(lossless.at("largest_move"), 0);
+  EXPECT_EQ(quantised.at("positions"), "quantised");
+  EXPECT_LT(quantised.at("bytes"), lossless.at("bytes").get<double>() / 2);
+  const double move = quantised.at("largest_move");
+  EXPECT_GT(move, 0);
+  const json full = extract(folder, {});
+  EXPECT_EQ(full.at("faces"), lossless.at("faces"));
+  EXPECT_LE(seen_error(folder), move);
+  EXPECT_GE(full.at("level_error"), move) << "errors include what quantisation adds";
+}
+
+TEST(ProgressiveCommand, WithoutMeasuringErrorsAreEstimates) {
+  const TempFolder folder;
+  const json built = write_pmesh_of_sphere(folder, {"--no-measure"});
+  EXPECT_FALSE(built.at("errors_are_proved").get<bool>());
+  EXPECT_EQ(built.at("proof_seconds"), 0);
+  EXPECT_FALSE(extract(folder, {"--ratio", "0.5"}).at("errors_are_proved").get<bool>());
+}
+
+TEST(ProgressiveCommand, NamesADamagedFileAndTheByte) {
+  const TempFolder folder;
+  write_pmesh_of_sphere(folder);
+  std::string bytes = read_whole_file(folder / "sphere.pmesh");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  const std::string damaged = folder.write("damaged.pmesh", bytes);
+  const std::string complaint = complaint_of(run_recede({"extract", damaged, "-o", folder / "level.ply"}), 1);
+  EXPECT_THAT(complaint, HasSubstr(damaged));
+  EXPECT_THAT(complaint, HasSubstr("byte"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "level.ply"));
+}
+
+}  // namespace
+}  // namespace recede::test
