@@ -31,7 +31,8 @@ void check(const PolygonSoup& fine, const PolygonSoup& coarse, const MapOptions&
   require(
       !options.search_distance || (std::isfinite(*options.search_distance) && *options.search_distance > 0),
       "the search distance must be positive");
-  require(std::isfinite(options.seam_weight) && options.seam_weight >= 0, "the seam weight isn't negative");
+  require(!options.seam_weight || (std::isfinite(*options.seam_weight) && *options.seam_weight >= 0),
+          "the seam weight must not be negative");
   validate(fine, "fine surface");
   validate(coarse, "coarse surface");
   if (fine.n_faces() == 0 || coarse.n_faces() == 0) throw InputError("maps need surfaces with faces");
@@ -164,7 +165,7 @@ class Baker {
     maps_.report.seam_edges = seams.size();
     maps_.report.seam_difference_before =
         detail::largest_difference(seams, options_.size, [&](Index texel) { return heights_[texel]; });
-    detail::close_seams(seams, options_.size, options_.seam_weight, heights_);
+    close_seams(seams);
     detail::fill_holes(heights_, known_texels(), options_.size, options_.size);
     const auto [low, high] = std::minmax_element(heights_.begin(), heights_.end());
     maps_.height_offset = *low;
@@ -173,9 +174,24 @@ class Baker {
     maps_.displacement = raster(1, 16);
     for (const double height : heights_)
       maps_.displacement.samples.push_back(quantised((height - maps_.height_offset) / scale, 16));
+    if (!options_.seam_weight) detail::repair_samples(seams, options_.size, maps_.displacement.samples);
     maps_.report.seam_difference = detail::largest_difference(seams, options_.size, [&](Index texel) {
       return maps_.height_offset + maps_.height_scale * maps_.displacement.samples[texel] / 65535;
     });
+  }
+
+  void close_seams(const std::vector<detail::Seam>& seams) {
+    // Texels beside charts show less than those inside, so they change more easily.
+    constexpr double k_cost_outside = 0.1;
+    std::vector<double> costs(heights_.size(), k_cost_outside);
+    for (std::size_t texel = 0; texel < costs.size(); ++texel) {
+      if (owners_.inside[texel] != 0) costs[texel] = 1;
+    }
+    if (options_.seam_weight)
+      return detail::close_seams(seams, options_.size, *options_.seam_weight, costs, heights_);
+    const auto [low, high] = std::minmax_element(heights_.begin(), heights_.end());
+    // Half a step of the stored map; rounding adds about another, most of which `repair_samples` takes back.
+    detail::close_seams_within(seams, options_.size, 0.5 * (*high - *low) / 65535, costs, heights_);
   }
 
   void finish_normals() {

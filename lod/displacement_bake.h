@@ -22,10 +22,11 @@ struct MapOptions {
   /// units. Unset: `k_reach` times the largest of some 20 000 sampled two-sided distances.
   std::optional<double> search_distance{};
   static constexpr double k_reach = 2;
-  /// How much more a difference of heights across a seam counts than a change of a texel by as much. Large
-  /// ones close seams and smooth the heights along them, see docs/maps.md. 0: heights stay as they were
-  /// found.
-  double seam_weight = 1e4;
+  /// Unset: seams are closed, so that the heights that are stored differ across them by about a step of the
+  /// 16 bits at most, and heights along seams become smooth. Else: how much more a difference of heights
+  /// across a seam counts than a change of a texel by as much; 1e4 leaves small differences and more of the
+  /// detail along seams, 0 the heights as they were found. See docs/maps.md.
+  std::optional<double> seam_weight{};
   int normal_bits = 8;  ///< of a sample of the normal map, 8 or 16
   /// For the atlas of a coarse surface whose texture coordinates aren't one-to-one. The packing's resolution
   /// is `size`.
