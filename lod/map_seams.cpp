@@ -175,7 +175,7 @@ class SampleRepair {
 
  private:
   // Quadratics rise a little above their three compared values; with this most of them stay below 1.
-  static constexpr double k_limit = 0.85;
+  static constexpr double k_limit = 0.8;
   static constexpr double k_most = 65535;
 
   static double excess(double difference) {
