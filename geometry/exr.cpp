@@ -109,6 +109,25 @@ FloatRaster decode(std::string_view bytes, const std::string& name) {
   return raster;
 }
 
+std::string encode(const FloatRaster& raster, const ExrOptions& options) {
+  Imf::Header header(raster.width, raster.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  if (!options.comments.empty()) Imf::addComments(header, options.comments);
+  for (const std::string& channel : raster.channels)
+    header.channels().insert(channel, Imf::Channel(options.half ? Imf::HALF : Imf::FLOAT));
+  std::vector<half> halves;  // OpenEXR converts when it reads only
+  if (options.half) halves.assign(raster.samples.begin(), raster.samples.end());
+  StringWriter stream;
+  {
+    const Imath::Box2i& window = header.dataWindow();
+    Imf::OutputFile file(stream, header, 0);
+    file.setFrameBuffer(options.half ? frame_of(raster.channels, halves.data(), window)
+                                     : frame_of(raster.channels, raster.samples.data(), window));
+    file.writePixels(raster.height);
+  }  // which writes where the lines begin
+  return stream.take();
+}
+
 /// OpenEXR's reasons name the file and may have several lines.
 std::string one_line(std::string reason, const std::string& name) {
   for (const std::string& around : {" \"" + name + "\"", "\"" + name + "\""}) {
@@ -130,22 +149,11 @@ std::string encode_exr(const FloatRaster& raster, const ExrOptions& options) {
       raster.samples.size() != width * height * raster.channels.size()) {
     throw OptionError("an OpenEXR file needs texels, channels with different names, and samples for them");
   }
-  Imf::Header header(raster.width, raster.height);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  if (!options.comments.empty()) Imf::addComments(header, options.comments);
-  for (const std::string& channel : raster.channels)
-    header.channels().insert(channel, Imf::Channel(options.half ? Imf::HALF : Imf::FLOAT));
-  std::vector<half> halves;  // OpenEXR converts when it reads only
-  if (options.half) halves.assign(raster.samples.begin(), raster.samples.end());
-  StringWriter stream;
-  {
-    const Imath::Box2i& window = header.dataWindow();
-    Imf::OutputFile file(stream, header, 0);
-    file.setFrameBuffer(options.half ? frame_of(raster.channels, halves.data(), window)
-                                     : frame_of(raster.channels, raster.samples.data(), window));
-    file.writePixels(raster.height);
-  }  // which writes where the lines begin
-  return stream.take();
+  try {
+    return encode(raster, options);
+  } catch (const std::exception& error) {
+    throw Error(std::string("OpenEXR: ") + error.what());
+  }
 }
 
 FloatRaster decode_exr(std::string_view bytes, const std::string& name) {

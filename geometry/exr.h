@@ -31,7 +31,8 @@ struct ExrOptions {
 };
 
 /// The bytes of an OpenEXR file: scan lines in one part, compressed without loss (ZIP). Same samples, same
-/// bytes. Throws `OptionError` unless there are texels, channels with different names, and samples for them.
+/// bytes. Throws `OptionError` unless there are texels, channels with different names, and samples for them,
+/// and `Error` with OpenEXR's reason.
 std::string encode_exr(const FloatRaster& raster, const ExrOptions& options = {});
 
 /// What the bytes of an OpenEXR file hold, numbers of any kind as floats, the data window only. R, G, B and A
