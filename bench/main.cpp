@@ -2,6 +2,7 @@
 #include "bench_report.h"
 #include "hard_case_run.h"
 #include "progressive_run.h"
+#include "round_trips.h"
 #include "same_bytes.h"
 #include <recede/geometry/error.h>
 
@@ -17,12 +18,14 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "folder for results.csv, results.md and the plots (out/bench)");
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
-  bool hard_cases = false, same_bytes = false, progressive = false;
+  bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
   app.add_flag("--progressive", progressive,
                "instead, progressive meshes beside OpenMesh's, textures, charts and maps");
+  app.add_flag("--round-trips", round_trips,
+               "instead, progressive meshes of every model in the folder, into files and back");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
   app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
@@ -39,6 +42,10 @@ int main(int argc, char** argv) {
     }
     if (same_bytes) {
       fmt::print("{}", recede::bench::same_bytes_table(options.data.parent_path()));
+      return 0;
+    }
+    if (round_trips) {
+      fmt::print("{}", recede::bench::round_trips_table(options));
       return 0;
     }
     const auto results = recede::bench::run_bench(

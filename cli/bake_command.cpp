@@ -23,6 +23,8 @@ struct BakeOptions {
   std::string up;
   bool no_report = false;
   std::vector<std::string> maps;  // names
+  std::string map_format = "png";
+  std::optional<double> map_seam_weight;
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
 
@@ -38,6 +40,8 @@ Json maps_to_json(const LodLevel& level, const MapFiles& files) {
   return {{"displacement", path(files.displacement)},
           {"normal", path(files.normal)},
           {"color", path(files.color)},
+          {"displacement_exr", path(files.displacement_exr)},
+          {"normal_exr", path(files.normal_exr)},
           {"size", level.maps->size},
           {"atlas_reason", report.atlas_reason},
           {"search_distance", report.search_distance},
@@ -114,6 +118,8 @@ std::optional<MapOptions> map_options(const BakeOptions& options) {
                     .normal = wanted("normal"),
                     .color = wanted("color"),
                     .size = options.map_size,
+                    .seam_weight = options.map_seam_weight,
+                    .format = options.map_format == "exr" ? MapFormat::exr : MapFormat::png,
                     .normal_bits = options.map_normal_bits};
 }
 
@@ -199,6 +205,18 @@ void add_bake_command(CLI::App& app) {
       ->group(maps);
   command->add_option("--map-size", options->map_size, "texels along each side (1024)")
       ->check(CLI::Range(4, 16384))
+      ->group(maps);
+  command
+      ->add_option("--map-format", options->map_format,
+                   "png (default), or exr: heights and normals also as floats, beside the PNG files")
+      ->check(CLI::IsMember({"png", "exr"}))
+      ->group(maps);
+  command
+      ->add_option(
+          "--map-seam-weight", options->map_seam_weight,
+          "keeps more detail along seams and leaves them less closed, such as 1e4; 0: open (default: "
+          "closed to a step of 16 bits)")
+      ->check(CLI::NonNegativeNumber)
       ->group(maps);
   command
       ->add_option("--map-normal-bits", options->map_normal_bits,

@@ -31,7 +31,8 @@ void check(const PolygonSoup& fine, const PolygonSoup& coarse, const MapOptions&
   require(
       !options.search_distance || (std::isfinite(*options.search_distance) && *options.search_distance > 0),
       "the search distance must be positive");
-  require(std::isfinite(options.seam_weight) && options.seam_weight >= 0, "the seam weight isn't negative");
+  require(!options.seam_weight || (std::isfinite(*options.seam_weight) && *options.seam_weight >= 0),
+          "the seam weight must not be negative");
   validate(fine, "fine surface");
   validate(coarse, "coarse surface");
   if (fine.n_faces() == 0 || coarse.n_faces() == 0) throw InputError("maps need surfaces with faces");
@@ -45,6 +46,23 @@ std::uint16_t quantised(double value, int bits) {
 double encode_srgb(double linear) {
   const double value = std::clamp(linear, 0.0, 1.0);
   return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
+}
+
+/// As a lookup reads it in the middle of a texel.
+double height_of(const BakedMaps& maps, Index texel) {
+  if (!maps.float_displacement.samples.empty()) return maps.float_displacement.samples[texel];
+  return maps.height_offset + maps.height_scale * maps.displacement.samples[texel] / 65535;
+}
+
+/// Coded from 0 to 1.
+Vec3 normal_of(const BakedMaps& maps, Index texel) {
+  const std::size_t first = 3 * std::size_t{texel};
+  if (!maps.float_normal.samples.empty()) {
+    const float* samples = &maps.float_normal.samples[first];
+    return {samples[0], samples[1], samples[2]};
+  }
+  const std::uint16_t* samples = &maps.normal.samples[first];
+  return Vec3(samples[0], samples[1], samples[2]) / ((1 << maps.normal.bits) - 1);
 }
 
 /// A normal of object space in the frame of a place. glTF's normals don't point below the surface.
@@ -164,7 +182,7 @@ class Baker {
     maps_.report.seam_edges = seams.size();
     maps_.report.seam_difference_before =
         detail::largest_difference(seams, options_.size, [&](Index texel) { return heights_[texel]; });
-    detail::close_seams(seams, options_.size, options_.seam_weight, heights_);
+    close_seams(seams);
     detail::fill_holes(heights_, known_texels(), options_.size, options_.size);
     const auto [low, high] = std::minmax_element(heights_.begin(), heights_.end());
     maps_.height_offset = *low;
@@ -173,19 +191,55 @@ class Baker {
     maps_.displacement = raster(1, 16);
     for (const double height : heights_)
       maps_.displacement.samples.push_back(quantised((height - maps_.height_offset) / scale, 16));
-    maps_.report.seam_difference = detail::largest_difference(seams, options_.size, [&](Index texel) {
-      return maps_.height_offset + maps_.height_scale * maps_.displacement.samples[texel] / 65535;
-    });
+    if (!options_.seam_weight) detail::repair_samples(seams, options_.size, maps_.displacement.samples);
+    if (options_.format == MapFormat::exr) maps_.float_displacement = float_raster({"Y"}, heights_);
+    maps_.report.seam_difference = detail::largest_difference(
+        seams, options_.size, [&](Index texel) { return height_of(maps_, texel); });
+  }
+
+  void close_seams(const std::vector<detail::Seam>& seams) {
+    // Texels beside charts show less than those inside, so they change more easily.
+    constexpr double k_cost_outside = 0.1;
+    std::vector<double> costs(heights_.size(), k_cost_outside);
+    for (std::size_t texel = 0; texel < costs.size(); ++texel) {
+      if (owners_.inside[texel] != 0) costs[texel] = 1;
+    }
+    if (options_.seam_weight)
+      return detail::close_seams(seams, options_.size, *options_.seam_weight, costs, heights_);
+    // Half a step of the stored map; rounding adds about another, most of which `repair_samples` takes back.
+    // Where closing makes the range of heights smaller, and with it the step, once more.
+    constexpr double k_share = 0.5, k_enough = 0.6;
+    constexpr int k_most_rounds = 4;
+    for (int round = 0; round < k_most_rounds; ++round) {
+      const double tolerance = k_share * step_of_heights();
+      detail::close_seams_within(seams, options_.size, tolerance, costs, heights_);
+      if (tolerance <= k_enough * step_of_heights()) return;
+    }
+  }
+
+  /// Of 16 bits over the range of the texels that have a height.
+  double step_of_heights() const {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t texel = 0; texel < heights_.size(); ++texel) {
+      if (owners_.triangles[texel] == k_no_index) continue;
+      low = std::min(low, heights_[texel]);
+      high = std::max(high, heights_[texel]);
+    }
+    return high > low ? (high - low) / 65535 : 0;
   }
 
   void finish_normals() {
     detail::fill_holes(normals_, known_texels(), options_.size, options_.size);
     maps_.normal = raster(3, options_.normal_bits);
+    std::vector<float> coded;
     for (const Vec3f& found : normals_) {
       const Vec3 normal = found.cast<double>().stableNormalized();
-      for (const double value : normal)
+      for (const double value : normal) {
         maps_.normal.samples.push_back(quantised(0.5 * value + 0.5, options_.normal_bits));
+        if (options_.format == MapFormat::exr) coded.push_back(static_cast<float>(0.5 * value + 0.5));
+      }
     }
+    if (!coded.empty()) maps_.float_normal = float_raster({"R", "G", "B"}, coded);
   }
 
   void finish_colors() {
@@ -201,6 +255,14 @@ class Baker {
     Raster result{
         .width = options_.size, .height = options_.size, .channels = channels, .bits = bits, .samples = {}};
     result.samples.reserve(heights_.size() * static_cast<std::size_t>(channels));
+    return result;
+  }
+
+  template <typename Value>
+  FloatRaster float_raster(std::vector<std::string> channels, const std::vector<Value>& values) const {
+    FloatRaster result{options_.size, options_.size, std::move(channels), {}};
+    result.samples.reserve(values.size());
+    for (const Value value : values) result.samples.push_back(static_cast<float>(value));
     return result;
   }
 
@@ -226,18 +288,15 @@ BakedMaps bake_maps(const PolygonSoup& fine, const PolygonSoup& coarse, const Ma
 double BakedMaps::height_at(const Vec2& uv) const {
   const detail::Footprint footprint = detail::footprint_of(uv, size);
   double sum = 0;
-  for (std::size_t k = 0; k < 4; ++k) sum += footprint.weights[k] * displacement.samples[footprint.texels[k]];
-  return height_offset + height_scale * sum / 65535;
+  for (std::size_t k = 0; k < 4; ++k) sum += footprint.weights[k] * height_of(*this, footprint.texels[k]);
+  return sum;
 }
 
 Vec3 BakedMaps::normal_at(const Vec2& uv) const {
   const detail::Footprint footprint = detail::footprint_of(uv, size);
-  const double most = (1 << normal.bits) - 1;
   Vec3 sum = Vec3::Zero();
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::uint16_t* samples = &normal.samples[3 * std::size_t{footprint.texels[k]}];
-    sum += footprint.weights[k] * (2 * Vec3(samples[0], samples[1], samples[2]) / most - Vec3::Ones());
-  }
+  for (std::size_t k = 0; k < 4; ++k)
+    sum += footprint.weights[k] * (2 * normal_of(*this, footprint.texels[k]) - Vec3::Ones());
   return sum.stableNormalized();
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <recede/geometry/chart_atlas.h>
+#include <recede/geometry/exr.h>
 #include <recede/geometry/progress.h>
 #include <recede/geometry/raster.h>
 
@@ -10,6 +11,12 @@
 #include <vector>
 
 namespace recede {
+
+/// What becomes of heights and normals.
+enum class MapFormat {
+  png,  ///< whole numbers
+  exr,  ///< floats as well, without steps; `write_hierarchy` writes them beside the PNG files
+};
 
 struct MapOptions {
   // Which maps are made. Heights are always found, since the others are read where they lead.
@@ -22,10 +29,12 @@ struct MapOptions {
   /// units. Unset: `k_reach` times the largest of some 20 000 sampled two-sided distances.
   std::optional<double> search_distance{};
   static constexpr double k_reach = 2;
-  /// How much more a difference of heights across a seam counts than a change of a texel by as much. Large
-  /// ones close seams and smooth the heights along them, see docs/maps.md. 0: heights stay as they were
-  /// found.
-  double seam_weight = 1e4;
+  /// Unset: seams are closed, so that the heights that are stored differ across them by about a step of the
+  /// 16 bits at most, and heights along seams become smooth. Else: how much more a difference of heights
+  /// across a seam counts than a change of a texel by as much; 1e4 leaves small differences and more of the
+  /// detail along seams, 0 the heights as they were found. See docs/maps.md.
+  std::optional<double> seam_weight{};
+  MapFormat format = MapFormat::png;
   int normal_bits = 8;  ///< of a sample of the normal map, 8 or 16
   /// For the atlas of a coarse surface whose texture coordinates aren't one-to-one. The packing's resolution
   /// is `size`.
@@ -42,7 +51,7 @@ struct MapReport {
   std::size_t missed = 0;      ///< those of them whose line met nothing; the closest point took over
   std::size_t seam_edges = 0;  ///< edges whose two sides lie apart in the maps
   /// Largest difference of heights between the two sides of a seam, object units: as found, and in the map
-  /// that was stored. Exact for bilinear lookup.
+  /// that was stored, the floats where there are some. Exact for bilinear lookup.
   double seam_difference_before = 0, seam_difference = 0;
   double seconds = 0;
 };
@@ -62,11 +71,16 @@ struct BakedMaps {
   double height_scale = 0, height_offset = 0;  ///< object units
   Raster normal;  ///< tangent space, glTF's convention: x = 2 * sample / (2^bits - 1) - 1, y up, z away
   Raster color;   ///< sRGB, 8 bits
+  /// With `MapFormat::exr`: heights in object units, channel Y; and normals in channels R, G, B, coded from 0
+  /// to 1 like those of `normal`, x = 2 R - 1.
+  FloatRaster float_displacement, float_normal;
   MapReport report;
 
-  /// Bilinear height at a texture coordinate, object units. Needs `displacement`.
+  /// Bilinear height at a texture coordinate, object units, of the floats where there are some. Needs
+  /// `displacement`.
   double height_at(const Vec2& uv) const;
-  /// Bilinear normal at a texture coordinate as a unit vector of tangent space. Needs `normal`. In object
+  /// Bilinear normal at a texture coordinate as a unit vector of tangent space, of the floats where there are
+  /// some. Needs `normal`. In object
   /// space it is x T + y B + z N, with tangent, bitangent and normal each interpolated from the corners of
   /// the triangle and then made unit length, as the glTF sample viewer and three.js have them.
   Vec3 normal_at(const Vec2& uv) const;

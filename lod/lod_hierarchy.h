@@ -65,6 +65,7 @@ LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
 /// The maps of a level; empty paths: there is no such map.
 struct MapFiles {
   std::filesystem::path displacement, normal, color;
+  std::filesystem::path displacement_exr, normal_exr;  ///< with `MapFormat::exr`, beside the PNG files
 };
 
 /// Files that were written.
@@ -80,7 +81,8 @@ struct HierarchyFiles {
 /// polygons in double precision and can be read back. Same bytes for the same levels: the seconds that they
 /// took aren't in the files. Maps are PNG files in the folder, to which the GLB refers: `normalTexture` and
 /// `baseColorTexture` of the level's materials, and `extras.recede_displacement` of its mesh with `uri`,
-/// `scale`, `offset` and `space`. Such a level is written as `BakedMaps::surface`, the GLB with its tangents.
+/// `scale`, `offset` and `space`, and with `exr` where there is one: heights as floats, in object units. Such
+/// a level is written as `BakedMaps::surface`, the GLB with its tangents.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`, without maps. Throws `InputError`.

@@ -20,16 +20,18 @@ namespace {
 
 constexpr int k_format_version = 1;
 
-std::string map_name(std::size_t level, const char* map) {
-  return fmt::format("level_{}_{}.png", level, map);
+constexpr auto k_height_space = "object units along the interpolated normal";
+
+std::string map_name(std::size_t level, const char* map, const char* extension = "png") {
+  return fmt::format("level_{}_{}.{}", level, map, extension);
 }
 
-/// How heights follow from the samples of a displacement map.
-Json displacement_to_json(const BakedMaps& maps, const std::string& uri) {
-  return {{"uri", uri},
-          {"scale", maps.height_scale},
-          {"offset", maps.height_offset},
-          {"space", "object units along the interpolated normal"}};
+/// How heights follow from the samples of a displacement map. `exr` is empty when there is none.
+Json displacement_to_json(const BakedMaps& maps, const std::string& uri, const std::string& exr) {
+  Json result{
+      {"uri", uri}, {"scale", maps.height_scale}, {"offset", maps.height_offset}, {"space", k_height_space}};
+  if (!exr.empty()) result["exr"] = exr;
+  return result;
 }
 
 /// The level's surface with materials that name its maps. Where colours are baked, one material takes the
@@ -64,9 +66,12 @@ int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i
   const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, folder), name,
                                     {.corner_tangents = level.maps->corner_tangents});
   if (!level.maps->displacement.samples.empty()) {
-    const std::string uri = detail::encode_percent(folder + "/" + map_name(i, "displacement"));
+    const auto uri = [&](const char* extension) {
+      return detail::encode_percent(folder + "/" + map_name(i, "displacement", extension));
+    };
+    const bool with_floats = !level.maps->float_displacement.samples.empty();
     builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_displacement"] =
-        displacement_to_json(*level.maps, uri);
+        displacement_to_json(*level.maps, uri("png"), with_floats ? uri("exr") : "");
   }
   return builder.add_node(mesh, name);
 }
@@ -104,8 +109,10 @@ Json to_json(const LodLevel& level, const std::string& file, const MapFiles& map
               {"screen_coverage", level.screen_coverage},
               {"stop_reason", level.stop_reason}};
   if (!maps.displacement.empty())
-    result["displacement"] = displacement_to_json(*level.maps, maps.displacement.filename().string());
+    result["displacement"] = displacement_to_json(*level.maps, maps.displacement.filename().string(),
+                                                  maps.displacement_exr.filename().string());
   if (!maps.normal.empty()) result["normal"] = {{"uri", maps.normal.filename().string()}};
+  if (!maps.normal_exr.empty()) result["normal"]["exr"] = maps.normal_exr.filename().string();
   if (!maps.color.empty()) result["color"] = {{"uri", maps.color.filename().string()}};
   return result;
 }
@@ -123,6 +130,16 @@ MapFiles write_maps(const LodLevel& level, std::size_t number, const fs::path& s
   write(level.maps->displacement, "displacement", files.displacement);
   write(level.maps->normal, "normal", files.normal);
   write(level.maps->color, "color", files.color);
+  const auto write_floats = [&](const FloatRaster& map, const char* kind, const ExrOptions& options,
+                                fs::path& file) {
+    if (map.samples.empty()) return;
+    write_file_atomically(stage / map_name(number, kind, "exr"), encode_exr(map, options));
+    file = folder / map_name(number, kind, "exr");
+  };
+  write_floats(level.maps->float_displacement, "displacement", {.half = false, .comments = k_height_space},
+               files.displacement_exr);
+  write_floats(level.maps->float_normal, "normal",
+               {.half = true, .comments = "tangent space, x = 2 R - 1, y up as in OpenGL"}, files.normal_exr);
   return files;
 }
 

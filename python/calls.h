@@ -70,5 +70,7 @@ SimplifyOptions read_options(const py::dict& from);
 
 /// Adds progressive meshes to the module.
 void bind_progressive(py::module_& m);
+/// Adds baked maps.
+void bind_maps(py::module_& m);
 
 }  // namespace recede::python

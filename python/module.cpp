@@ -1,6 +1,7 @@
 // The compiled part of the Python module: conversions, and calls without the interpreter's lock.
 #include "calls.h"
 #include "numpy_arrays.h"
+#include "options.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
@@ -20,37 +21,6 @@ namespace recede::python {
 namespace {
 
 namespace fs = std::filesystem;
-
-template <typename Value>
-void read(const py::dict& from, const char* key, Value& to) {
-  if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
-}
-template <typename Value>
-void read(const py::dict& from, const char* key, std::optional<Value>& to) {
-  if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
-}
-
-void read(const py::dict& from, const char* key, std::vector<std::pair<std::string, double>>& to) {
-  if (!from.contains(key)) return;
-  for (const auto& [name, weight] : from[key].cast<py::dict>()) {
-    to.emplace_back(name.cast<std::string>(), weight.cast<double>());
-  }
-}
-
-template <typename Choice>
-void read_choice(const py::dict& from, const char* key, const std::map<std::string, Choice>& names,
-                 Choice& to) {
-  if (!from.contains(key)) return;
-  const auto name = from[key].cast<std::string>();
-  const auto found = names.find(name);
-  if (found != names.end()) {
-    to = found->second;
-    return;
-  }
-  std::string known;
-  for (const auto& [text, value] : names) known += (known.empty() ? "" : ", ") + text;
-  throw OptionError(std::string(key) + ": " + name + " isn't one of " + known);
-}
 
 SimplifyTarget read_target(const py::dict& from) {
   SimplifyTarget target;
@@ -158,6 +128,8 @@ Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, co
   read(levels, "image_height", hierarchy_options.view.image_height);
   read(levels, "field_of_view", hierarchy_options.view.field_of_view);
   read(levels, "pixel_error", hierarchy_options.view.pixel_error);
+  if (levels.contains("maps") && py::len(levels["maps"]) > 0)
+    hierarchy_options.maps = read_map_options(levels);
   std::vector<double> relative_errors, up{0, 1, 0};
   read(levels, "relative_errors", relative_errors);
   read(levels, "up", up);
@@ -315,6 +287,10 @@ void bind_mesh(py::module_& m) {
       });
 }
 
+std::optional<fs::path> path_or_none(const fs::path& path) {
+  return path.empty() ? std::nullopt : std::optional(path);
+}
+
 void bind_results(py::module_& m) {
   py::class_<Simplified>(m, "SimplifyResult")
       .def_readonly("mesh", &Simplified::mesh)
@@ -360,10 +336,18 @@ void bind_results(py::module_& m) {
       .def_readonly("switch_distance", &LodLevel::switch_distance)
       .def_readonly("screen_coverage", &LodLevel::screen_coverage)
       .def_readonly("stop_reason", &LodLevel::stop_reason);
+  py::class_<MapFiles>(m, "MapFiles")
+      .def_property_readonly("displacement", [](const MapFiles& f) { return path_or_none(f.displacement); })
+      .def_property_readonly("normal", [](const MapFiles& f) { return path_or_none(f.normal); })
+      .def_property_readonly("color", [](const MapFiles& f) { return path_or_none(f.color); })
+      .def_property_readonly("displacement_exr",
+                             [](const MapFiles& f) { return path_or_none(f.displacement_exr); })
+      .def_property_readonly("normal_exr", [](const MapFiles& f) { return path_or_none(f.normal_exr); });
   py::class_<Baked>(m, "BakeResult")
       .def_property_readonly("levels", [](const Baked& baked) { return baked.hierarchy.levels; })
       .def_property_readonly("glb", [](const Baked& baked) { return baked.files.glb; })
       .def_property_readonly("folder", [](const Baked& baked) { return baked.files.folder; })
+      .def_property_readonly("map_files", [](const Baked& baked) { return baked.files.map_files; })
       .def_property_readonly("report", [](const Baked& baked) {
         return baked.report ? std::optional(baked.report->html) : std::nullopt;
       });
@@ -411,6 +395,7 @@ PYBIND11_MODULE(_recede, m) {
   m.def("make_displaced_sphere",
         [](std::size_t faces, bool triangles) { return make_mesh(make_displaced_sphere(faces, triangles)); });
   bind_progressive(m);
+  bind_maps(m);
   m.def("set_threads", &set_threads);
 }
 

@@ -21,8 +21,19 @@ std::vector<Seam> find_seams(const PolygonSoup& surface);
 double largest_difference(const std::vector<Seam>& seams, int size,
                           const std::function<double(Index)>& height);
 
-/// Changes heights so that both sides agree: minimises the sum of squared changes and, times `weight`, the
-/// squared differences integrated along the seams in texels. One sparse factorisation.
-void close_seams(const std::vector<Seam>& seams, int size, double weight, std::vector<double>& heights);
+/// Changes heights so that both sides agree better: minimises the sum of squared changes, times `costs` of
+/// the texels, and, times `weight`, the squared differences integrated along the seams in texels. One sparse
+/// factorisation. A weight of 0 changes nothing.
+void close_seams(const std::vector<Seam>& seams, int size, double weight, const std::vector<double>& costs,
+                 std::vector<double>& heights);
+
+/// The same with a weight for each piece of a seam, which grows until its differences are below about
+/// `tolerance`: nowhere more is given up than that needs.
+void close_seams_within(const std::vector<Seam>& seams, int size, double tolerance,
+                        const std::vector<double>& costs, std::vector<double>& heights);
+
+/// Moves samples of 16 bits near seams by single units until the sides differ by less than one, as far as
+/// that gets.
+void repair_samples(const std::vector<Seam>& seams, int size, std::vector<std::uint16_t>& samples);
 
 }  // namespace recede::detail

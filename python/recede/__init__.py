@@ -23,6 +23,7 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from ._recede import (
+    BakedMaps,
     BakeResult,
     Cancelled,
     Distance,
@@ -32,6 +33,7 @@ from ._recede import (
     InputError,
     Level,
     LevelError,
+    MapFiles,
     Material,
     Mesh,
     OneSidedDistance,
@@ -43,10 +45,10 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "InputError", "Level", "LevelError",
-    "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh", "RefinementReport", "RepairStep",
-    "SelectiveMesh", "SimplifyResult", "bake",
-    "build_progressive", "compare", "make_displaced_sphere", "make_teapot", "read", "set_threads", "simplify",
+    "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "InputError", "Level",
+    "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh",
+    "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps", "build_progressive",
+    "compare", "make_displaced_sphere", "make_teapot", "read", "set_threads", "simplify",
     "simplify_levels", "write",
 ]
 
@@ -137,24 +139,60 @@ def compare(first: Mesh, second: Mesh, *, samples: int = 200_000, bound_toleranc
     return _recede.compare(first, second, samples, bound_tolerance, progress)
 
 
+def _map_options(maps: Sequence[str], size: int, format: str, normal_bits: int,
+                 seam_weight: float | None) -> dict[str, Any]:
+    names = [maps] if isinstance(maps, str) else list(maps)
+    return {"maps": names, "map_size": size, "map_format": format, "map_normal_bits": normal_bits,
+            "map_seam_weight": seam_weight}
+
+
+def bake_maps(fine: Mesh, coarse: Mesh, *, maps: Sequence[str] = ("displacement", "normal", "color"),
+              map_size: int = 1024, map_format: str = "png", map_normal_bits: int = 8,
+              map_seam_weight: float | None = None, search_distance: float | None = None,
+              progress: Progress | None = None) -> BakedMaps:
+    """Maps that carry the detail of `fine` on `coarse`, as arrays with row 0 on top.
+
+    `height` (size x size, float32) are lengths in the units of the mesh along the interpolated normals; `normal`
+    (size x size x 3, float32) are unit vectors of tangent space, y up; `color` (size x size x 3, uint8) is sRGB, None
+    when `fine` has no colours. They belong to `surface`, which is `coarse` with one-to-one texture coordinates: its own,
+    or those of a new atlas. `uvs`, `normals` and `tangents` are the surface's, one row for each corner; the last number
+    of a tangent is the sign of the bitangent. `report` is a dict: what was missed, how far seams differ.
+    `measure(fine)` gives the two-sided distances with and without displacement.
+
+    With `map_format` "png" arrays hold what 16-bit heights and normals of `map_normal_bits` (8 or 16) can hold; with
+    "exr" floats without steps. `map_seam_weight` None closes seams to a step of the 16 bits; 1e4 keeps more detail
+    along them, 0 leaves them open. `search_distance` is how far from `coarse` the fine surface is looked for (None: twice
+    the largest sampled distance).
+    """
+    settings = {**_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight),
+                "search_distance": search_distance}
+    return _recede.bake_maps(fine, coarse, settings, progress)
+
+
 def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[float] | None = None,
          errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
-         pixel_error: float = 1, up: Sequence[float] = (0, 1, 0), report: bool = True,
-         progress: Progress | None = None, **options: Any) -> BakeResult:
+         pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
+         map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
+         report: bool = True, progress: Progress | None = None, **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
 
     Levels are chosen by one of: `ratios` of the faces, decreasing (0.5, 0.25, 0.1, 0.03, 0.01 when nothing is
     given); certified `errors`, increasing, or `relative_errors`, shares of the diagonal; camera `distances`,
     increasing, whose errors follow from the view: `image_height` (pixels), vertical `field_of_view` (degrees) and
     `pixel_error` (pixels). `up` points upwards in the report's pictures. Options are those of `simplify`.
+
+    `maps` names what of the input is baked onto every coarser level: "displacement", "normal", "color". They have
+    `map_size` texels a side; `map_format` "exr" writes heights and normals as floats too. The other options of maps
+    are those of `bake_maps`. `result.map_files` has the paths by level.
     """
     if not (ratios or errors or relative_errors or distances):
         ratios = (0.5, 0.25, 0.1, 0.03, 0.01)
     levels = {"ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
-              "up": list(up), "report": report}
+              "up": list(up), "report": report,
+              **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
     return _recede.bake(mesh, folder, name, levels, settings, feature_angle, progress)
 

@@ -186,6 +186,50 @@ class Level:
     @property
     def stop_reason(self) -> str: ...
 
+class MapFiles:
+    """The maps of a level; None: there is no such map."""
+    @property
+    def displacement(self) -> Optional[Path]: ...
+    @property
+    def normal(self) -> Optional[Path]: ...
+    @property
+    def color(self) -> Optional[Path]: ...
+    @property
+    def displacement_exr(self) -> Optional[Path]:
+        """With map_format "exr", beside the PNG file."""
+    @property
+    def normal_exr(self) -> Optional[Path]: ...
+
+class BakedMaps:
+    """A coarse surface and its maps."""
+    @property
+    def surface(self) -> Mesh: ...
+    @property
+    def size(self) -> int:
+        """Texels a side"""
+    @property
+    def height(self) -> Optional[npt.NDArray[np.float32]]:
+        """size x size, units of the mesh"""
+    @property
+    def normal(self) -> Optional[npt.NDArray[np.float32]]:
+        """size x size x 3, unit vectors of tangent space"""
+    @property
+    def color(self) -> Optional[npt.NDArray[np.uint8]]:
+        """size x size x 3, sRGB"""
+    @property
+    def uvs(self) -> npt.NDArray[np.float64]:
+        """C x 2"""
+    @property
+    def normals(self) -> npt.NDArray[np.float64]:
+        """C x 3, unit vectors along which heights count"""
+    @property
+    def tangents(self) -> npt.NDArray[np.float64]:
+        """C x 4: unit vector, and the sign of the bitangent"""
+    @property
+    def report(self) -> dict[str, Any]: ...
+    def measure(self, fine: Mesh, *, progress: _Progress = ...) -> dict[str, float]:
+        """`bare_max`, `bare_rms`, `max`, `rms`: two-sided distances without and with displacement"""
+
 class BakeResult:
     @property
     def levels(self) -> list[Level]: ...
@@ -193,6 +237,9 @@ class BakeResult:
     def glb(self) -> Path: ...
     @property
     def folder(self) -> Path: ...
+    @property
+    def map_files(self) -> list[MapFiles]:
+        """One for each level"""
     @property
     def report(self) -> Optional[Path]: ...
 
@@ -310,6 +357,7 @@ def bake(
     mesh: Mesh, folder: _Path, name: str, levels: dict[str, Any], options: dict[str, Any], feature_angle: float,
     progress: _Progress,
 ) -> BakeResult: ...
+def bake_maps(fine: Mesh, coarse: Mesh, settings: dict[str, Any], progress: _Progress) -> BakedMaps: ...
 def make_teapot(quads_per_side: int, relief: float) -> Mesh: ...
 def make_displaced_sphere(faces: int, triangles: bool) -> Mesh: ...
 def set_threads(count: int) -> None: ...

@@ -1,5 +1,6 @@
 // `recede bake`: the levels, the files, and what the GLB says of them.
 #include "run_recede.h"
+#include <recede/geometry/exr.h>
 
 #include <algorithm>
 #include <cmath>
@@ -188,6 +189,22 @@ TEST(BakeCommand, WritesTheMapsThatAreAskedFor) {
   EXPECT_TRUE(is_valid_gltf(folder / "out/sphere.glb"));
 }
 
+TEST(BakeCommand, WritesFloatMapsBesideTheOthersOnRequest) {
+  const TempFolder folder;
+  const json levels =
+      bake_sphere(folder, {"--ratios", "0.2", "--no-report", "--maps", "normal,displacement", "--map-size",
+                           "64", "--map-format", "exr", "--map-seam-weight", "1e4"})
+          .at("levels");
+  const json& maps = levels[1].at("maps");
+  EXPECT_EQ(read_exr(maps.at("displacement_exr").get<std::string>()).width, 64);
+  EXPECT_EQ(read_exr(maps.at("normal_exr").get<std::string>()).channels.size(), 3u);
+  EXPECT_THAT(names_below(folder / "out/sphere.recede"),
+              ElementsAre("hierarchy.json", "level_0.ply", "level_1.ply", "level_1_displacement.exr",
+                          "level_1_displacement.png", "level_1_normal.exr", "level_1_normal.png"));
+  if (!has_gltf_validator()) GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";
+  EXPECT_TRUE(is_valid_gltf(folder / "out/sphere.glb"));
+}
+
 TEST(BakeCommand, SaysThatThereAreNoColoursToBakeAndRefusesUnknownMaps) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 500), out = folder / "out";
@@ -197,6 +214,8 @@ TEST(BakeCommand, SaysThatThereAreNoColoursToBakeAndRefusesUnknownMaps) {
   EXPECT_THAT(run.remarks, HasSubstr("has no colours to bake"));
   complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "height"}), 2);
   complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-size", "1"}), 2);
+  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-format", "tiff"}), 2);
+  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-seam-weight", "-1"}), 2);
 }
 
 TEST(BakeCommand, WritesTheSameLevelsForAnyNumberOfThreads) {

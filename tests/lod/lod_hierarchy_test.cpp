@@ -173,6 +173,29 @@ TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesThatTheGlbNames) {
   EXPECT_EQ(read_hierarchy(files.folder).levels.size(), 3u);
 }
 
+TEST(LodHierarchy, FloatMapsLieBesideTheOthersAndAreNamed) {
+  const test::TempFolder folder;
+  HierarchyOptions options = by_ratios({0.3});
+  options.maps = MapOptions{.size = 64, .format = MapFormat::exr};
+  const LodHierarchy h = build_hierarchy(mesh_of(make_displaced_sphere(1500, true)), "ball", options);
+  const HierarchyFiles files = write_hierarchy(folder.path(), h);
+  const BakedMaps& maps = h.levels[1].maps.value();
+  EXPECT_EQ(read_exr(files.map_files[1].displacement_exr), maps.float_displacement) << "bit for bit";
+  const FloatRaster normal = read_exr(files.map_files[1].normal_exr);
+  EXPECT_EQ(normal.channels, (std::vector<std::string>{"R", "G", "B"}));
+  for (std::size_t i = 0; i < normal.samples.size(); ++i)
+    ASSERT_NEAR(normal.samples[i], maps.float_normal.samples[i], 1.0 / 4096)
+        << "half a step of halves below 1";
+  EXPECT_TRUE(std::filesystem::exists(files.map_files[1].displacement)) << "what the GLB names";
+  const nlohmann::json heights =
+      json_of_glb(files.glb).at("meshes")[1].at("extras").at("recede_displacement");
+  EXPECT_EQ(heights.at("uri"), "ball.recede/level_1_displacement.png");
+  EXPECT_EQ(heights.at("exr"), "ball.recede/level_1_displacement.exr");
+  const auto document = nlohmann::json::parse(read_whole_file(files.folder / "hierarchy.json"));
+  EXPECT_EQ(document.at("levels")[1].at("displacement").at("exr"), "level_1_displacement.exr");
+  EXPECT_EQ(document.at("levels")[1].at("normal").at("exr"), "level_1_normal.exr");
+}
+
 TEST(LodHierarchy, ANormalMapKeepsTheMaterialsOfTheInput) {
   const test::TempFolder folder;
   HierarchyOptions options = by_ratios({0.3});

@@ -1,7 +1,10 @@
 // Simplification of scanned and hand-made models from Debian packages; `./dev data` fetches them.
 #include "meshes.h"
+#include "same_bits.h"
+#include "sanitized.h"
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/lod/pmesh.h>
 #include <recede/lod/simplify.h>
 
 #include <gtest/gtest.h>
@@ -52,6 +55,25 @@ TEST_F(RealModels, SmoothScansCompressMoreThanCoarseModels) {
   EXPECT_LT(elephant, 0.1);
   EXPECT_GT(boeing, 3 * bunny);
   EXPECT_GT(triceratops, 3 * bunny);
+}
+
+TEST_F(RealModels, EveryModelComesBackFromAProgressiveFileBitForBit) {
+  std::size_t n = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(RECEDE_DATA "/meshes")) {
+    const PolygonSoup soup = read_soup(entry.path());  // as it is, with all its defects
+    constexpr std::size_t k_small = 2000;
+    if (test::k_sanitized && soup.n_faces() > k_small) continue;
+    ProgressiveOptions options;
+    options.simplify.prove_error = false;  // says nothing of what comes back
+    PmeshReader reader(entry.path().filename().string());
+    reader.feed(encode_pmesh(build_progressive_mesh(soup, options), {.keep_numbering = true}));
+    const ProgressiveMesh back = reader.mesh();
+    ProgressiveCursor cursor(back);
+    cursor.move_to(back.n_splits());
+    EXPECT_EQ(test::first_difference(cursor.soup(), soup), "") << entry.path();
+    ++n;
+  }
+  EXPECT_GT(n, 50u);
 }
 
 TEST_F(RealModels, DefectiveModelsAreSimplifiedAndStaySound) {

@@ -190,6 +190,60 @@ def test_bake_writes_a_report(tmp_path):
     assert "<html" in pathlib.Path(result.report).read_text()[:200]
 
 
+def test_bake_writes_maps(tmp_path, sphere):
+    result = recede.bake(sphere, tmp_path, name="ball", ratios=[0.1], report=False, maps=["displacement", "normal"],
+                         map_size=64, map_format="exr")
+    assert len(result.map_files) == 2 and result.map_files[0].displacement is None
+    files = result.map_files[1]
+    assert files.displacement.read_bytes()[1:4] == b"PNG" and files.color is None
+    assert files.displacement_exr.read_bytes()[:4] == bytes([0x76, 0x2F, 0x31, 0x01])
+    assert files.normal_exr.parent == result.folder
+    plain = recede.bake(sphere, tmp_path, name="plain", ratios=[0.1], report=False, maps="normal", map_size=64)
+    assert plain.map_files[1].displacement is None and plain.map_files[1].normal_exr is None
+    assert all(f.normal is None for f in recede.bake(sphere, tmp_path, ratios=[0.1], report=False).map_files)
+
+
+def test_maps_are_arrays(sphere):
+    # The square from (0, 0) to (1, 1) below the plane z = 0.2 + 0.1 x, which is wider.
+    coarse = recede.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]],
+                         corner_uvs=[[0, 0], [1, 0], [1, 1], [0, 1]])
+    corners = np.array([[-1, -1], [2, -1], [2, 2], [-1, 2]], float)
+    fine = recede.Mesh(np.column_stack([corners, 0.2 + 0.1 * corners[:, 0]]), [[0, 1, 2], [0, 2, 3]],
+                       vertex_colors=[[1, 0, 0, 1]] * 4)
+    middles = (np.arange(16) + 0.5) / 16
+    steps = {"png": 0.1 / 65535, "exr": 1e-7}  # of the stored heights, and of floats near 0.3
+    for map_format, step in steps.items():
+        maps = recede.bake_maps(fine, coarse, map_size=16, map_format=map_format, map_normal_bits=16)
+        assert maps.size == 16 and maps.height.dtype == np.float32
+        assert np.abs(maps.height - (0.2 + 0.1 * middles)).max() <= step
+        assert maps.normal.shape == (16, 16, 3)
+        # Half a step of 16 bits from -1 to 1 in each of three numbers, at most.
+        assert np.abs(maps.normal - np.array([-0.1, 0, 1]) / np.sqrt(1.01)).max() < 4e-5
+        assert maps.color.dtype == np.uint8 and (maps.color == [255, 0, 0]).all()
+        assert np.array_equal(maps.uvs, coarse.corner_uvs) and maps.surface.n_faces == 1
+        assert maps.normals.tolist() == [[0, 0, 1]] * 4 and maps.tangents.tolist() == [[1, 0, 0, 1]] * 4
+        assert maps.report["missed"] == 0 and maps.report["texels"] == 256 and maps.report["atlas_reason"] == ""
+
+    small = recede.simplify(sphere, ratio=0.1).mesh
+    maps = recede.bake_maps(sphere, small, maps=["displacement"], map_size=256)
+    assert maps.normal is None and maps.color is None
+    assert maps.report["seam_difference"] <= np.ptp(maps.height) / 65535 * 1.0001  # a step, and floats
+    accuracy = maps.measure(sphere)
+    assert accuracy["rms"] < 0.5 * accuracy["bare_rms"]
+    soft = recede.bake_maps(sphere, small, maps=["displacement"], map_size=256, map_seam_weight=1e4)
+    assert soft.report["seam_difference"] > maps.report["seam_difference"]
+
+
+@pytest.mark.parametrize("options, text", [
+    ({"maps": []}, "at least one"), ({"maps": ["height"]}, "color, displacement, normal"), ({"map_size": 2}, "texels"),
+    ({"map_format": "tiff"}, "exr, png"), ({"map_normal_bits": 12}, "8 or 16"), ({"map_seam_weight": -1}, "negative"),
+    ({"search_distance": 0}, "positive"),
+])
+def test_wrong_options_of_maps_are_refused(options, text):
+    with pytest.raises(recede.OptionError, match=text):
+        recede.bake_maps(square(), square(), **options)
+
+
 def test_progress_is_called_and_can_cancel(sphere):
     calls = []
     recede.simplify(sphere, ratio=0.1, progress=lambda stage, fraction: calls.append((stage, fraction)))

@@ -2,39 +2,21 @@
 #pragma once
 
 #include "hard_cases.h"
+#include "same_bits.h"
 #include <recede/lod/detail/byte_streams.h>
 #include <recede/lod/detail/pmesh_chunks.h>
 #include <recede/lod/progressive_mesh.h>
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <string>
 #include <vector>
 
 namespace recede::test {
 
-template <typename List>
-bool same_bytes(const List& a, const List& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
-}
-
 /// All lists bit by bit, the signs of zeros too.
 inline void expect_same_bits(const PolygonSoup& a, const PolygonSoup& b) {
-  EXPECT_TRUE(same_bytes(a.positions, b.positions));
-  EXPECT_TRUE(same_bytes(a.corner_uvs, b.corner_uvs));
-  EXPECT_TRUE(same_bytes(a.corner_normals, b.corner_normals));
-  EXPECT_TRUE(same_bytes(a.vertex_colors, b.vertex_colors));
-  EXPECT_TRUE(a.face_offsets == b.face_offsets);
-  EXPECT_TRUE(a.corner_vertices == b.corner_vertices);
-  EXPECT_TRUE(a.face_materials == b.face_materials);
-  EXPECT_TRUE(a.feature_edges == b.feature_edges);
-  EXPECT_TRUE(a.materials == b.materials);
-  ASSERT_EQ(a.vertex_scalars.size(), b.vertex_scalars.size());
-  for (std::size_t i = 0; i < a.vertex_scalars.size(); ++i) {
-    EXPECT_EQ(a.vertex_scalars[i].name, b.vertex_scalars[i].name);
-    EXPECT_TRUE(same_bytes(a.vertex_scalars[i].values, b.vertex_scalars[i].values));
-  }
+  EXPECT_EQ(first_difference(a, b), "");
 }
 
 inline ProgressiveOptions options_for(CostPolicy cost, VertexPlacement placement, bool prove = false) {

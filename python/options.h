@@ -1,0 +1,51 @@
+// Options from dictionaries whose keys are their names.
+#pragma once
+
+#include "calls.h"
+#include <recede/lod/displacement_bake.h>
+
+#include <pybind11/stl.h>
+
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace recede::python {
+
+template <typename Value>
+void read(const py::dict& from, const char* key, Value& to) {
+  if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
+}
+template <typename Value>
+void read(const py::dict& from, const char* key, std::optional<Value>& to) {
+  if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
+}
+
+/// A dictionary of numbers by name.
+inline void read(const py::dict& from, const char* key, std::vector<std::pair<std::string, double>>& to) {
+  if (!from.contains(key)) return;
+  for (const auto& [name, weight] : from[key].cast<py::dict>()) {
+    to.emplace_back(name.cast<std::string>(), weight.cast<double>());
+  }
+}
+
+/// What the name stands for. Throws `OptionError` with all names when it is none of them.
+template <typename Choice>
+Choice choice(const char* key, const std::string& name, const std::map<std::string, Choice>& names) {
+  const auto found = names.find(name);
+  if (found != names.end()) return found->second;
+  std::string known;
+  for (const auto& [text, value] : names) known += (known.empty() ? "" : ", ") + text;
+  throw OptionError(std::string(key) + ": " + name + " isn't one of " + known);
+}
+
+template <typename Choice>
+void read_choice(const py::dict& from, const char* key, const std::map<std::string, Choice>& names,
+                 Choice& to) {
+  if (from.contains(key)) to = choice(key, from[key].cast<std::string>(), names);
+}
+
+/// `maps` names those that are made; the others are `map_size` and its like, and `search_distance`.
+MapOptions read_map_options(const py::dict& from);
+
+}  // namespace recede::python
