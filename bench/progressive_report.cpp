@@ -132,6 +132,25 @@ std::vector<Line> map_lines() {
            })}};
 }
 
+std::vector<Line> walk_lines() {
+  using Row = ProgressiveRow;
+  using Walk = WalkFigures;
+  constexpr auto walk = &Row::walk;
+  return {
+      {"faces ; splits and merges, medians",
+       cell<Walk>(
+           walk, [](const Row&, const Walk& f) { return fmt::format("{:.0f} ; {:.0f}", f.faces, f.moves); })},
+      {"milliseconds: median ; 95 of 100 ; slowest",
+       cell<Walk>(walk,
+                  [](const Row&, const Walk& f) {
+                    return fmt::format("{:.2g} ; {:.2g} ; {:.2g}", f.median, f.slow, f.slowest);
+                  })},
+      {"first view, from the base",
+       cell<Walk>(walk, [](const Row&, const Walk& f) { return fmt::format("{:.2g}", f.first); })},
+      {"setting up, seconds",
+       cell<Walk>(walk, [](const Row&, const Walk& f) { return fmt::format("{:.2g}", f.setup_seconds); })}};
+}
+
 using Named = std::vector<std::pair<const char*, double>>;
 
 double count(std::size_t number) { return static_cast<double>(number); }
@@ -180,6 +199,16 @@ Named named(const MapFigures& f) {
           {"max_share_of_diagonal", f.max}};
 }
 
+Named named(const WalkFigures& f) {
+  return {{"setup_seconds", f.setup_seconds},
+          {"first_milliseconds", f.first},
+          {"median_milliseconds", f.median},
+          {"slow_milliseconds", f.slow},
+          {"slowest_milliseconds", f.slowest},
+          {"faces", f.faces},
+          {"moves", f.moves}};
+}
+
 /// A line for each figure: the measurements have nothing in common.
 std::string csv(const std::vector<ProgressiveRow>& rows) {
   std::string text = "model,faces,vertices,measurement,figure,value\n";
@@ -198,6 +227,7 @@ std::string csv(const std::vector<ProgressiveRow>& rows) {
     add("OpenMesh", row.openmesh);
     add("texture", row.texture);
     add("maps", row.maps);
+    add("walk", row.walk);
   }
   return text;
 }
@@ -211,7 +241,8 @@ std::string progressive_tables(const std::vector<ProgressiveRow>& rows) {
                rows, texture_lines()) +
          table(fmt::format("Maps of {} texels on {:g} % of the faces: processor seconds ; RMS in 1e-4",
                            k_map_size, 100 * k_map_share),
-               rows, map_lines());
+               rows, map_lines()) +
+         table(fmt::format("A walk of {} views at an error of one pixel", k_walk_frames), rows, walk_lines());
 }
 
 void write_progressive(const std::vector<ProgressiveRow>& rows, const std::filesystem::path& folder) {

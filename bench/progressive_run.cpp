@@ -7,11 +7,15 @@
 #include <recede/geometry/mesh_distance.h>
 #include <recede/lod/displacement_bake.h>
 #include <recede/lod/pmesh.h>
+#include <recede/lod/selective_mesh.h>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 namespace recede::bench {
 namespace {
@@ -117,6 +121,40 @@ MapFigures measure_map(const PolygonSoup& soup, std::size_t repeats) {
   return figures;
 }
 
+RefinementView view_of_frame(int frame, const Vec3& center, double radius) {
+  const double angle = std::numbers::pi * frame / k_walk_frames;
+  const double distance = radius * (1.2 + 0.6 * std::cos(3 * angle));
+  RefinementView view;
+  view.position = center + distance * Vec3(std::sin(angle), 0.3, std::cos(angle));
+  view.target = center + 0.3 * radius * Vec3(std::cos(2 * angle), 0, 0);
+  view.aspect_ratio = 16.0 / 9;
+  return view;
+}
+
+WalkFigures measure_walk(const PolygonSoup& soup) {
+  const ProgressiveMesh mesh = build_progressive_mesh(soup, progressive_options(soup, true));
+  const Box3 box = bounding_box(soup);
+  std::optional<SelectiveMesh> selective;
+  WalkFigures figures;
+  figures.setup_seconds = median_seconds(1, [&] { selective.emplace(mesh); });
+  std::vector<double> milliseconds, faces, moves;
+  for (int frame = 0; frame < k_walk_frames; ++frame) {
+    const RefinementView view = view_of_frame(frame, box.center(), box.diagonal().norm() / 2);
+    RefinementReport report;
+    milliseconds.push_back(1e3 * median_seconds(1, [&] { report = selective->update(view); }));
+    faces.push_back(static_cast<double>(report.faces));
+    moves.push_back(static_cast<double>(report.splits + report.merges));
+  }
+  figures.first = milliseconds.front();
+  std::sort(milliseconds.begin() + 1, milliseconds.end());
+  figures.median = milliseconds[milliseconds.size() / 2];
+  figures.slow = milliseconds[milliseconds.size() * 95 / 100];
+  figures.slowest = milliseconds.back();
+  figures.faces = median(faces);
+  figures.moves = median(moves);
+  return figures;
+}
+
 template <class Figures>
 Measured<Figures> in_child(const std::function<Figures()>& measure) {
   const ChildAnswer answer = run_in_child(
@@ -135,6 +173,11 @@ ProgressiveRow run_model(const ModelSource& source, const BenchOptions& options)
   const PolygonSoup soup = load_model(source);
   const std::filesystem::path file = options.out / "bench.pmesh";
   ProgressiveRow row{.model = source.name, .faces = soup.n_faces(), .vertices = soup.positions.size()};
+  row.walk = in_child<WalkFigures>([&] { return measure_walk(soup); });
+  if (soup.n_faces() > k_large) {
+    row.ours.failure = row.openmesh.failure = row.texture.failure = row.maps.failure = "not measured";
+    return row;
+  }
   row.ours = in_child<ProgressiveFigures>([&] { return measure_ours(soup, file, options.repeats); });
   row.openmesh = in_child<ProgressivePeerFigures>([&] {
     return run_openmesh_progressive(soup, share_of_faces(soup, k_base_share), file, options.repeats);
@@ -148,7 +191,7 @@ ProgressiveRow run_model(const ModelSource& source, const BenchOptions& options)
 }  // namespace
 
 std::vector<ProgressiveRow> run_progressive(const BenchOptions& options) {
-  std::vector<ModelSource> sources = all_models(options.data, true);
+  std::vector<ModelSource> sources = all_models(options.data, options.quick);
   std::erase_if(sources, [&](const ModelSource& source) {
     return source.polygons || !is_wanted(source.name, options.models);
   });
