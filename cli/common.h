@@ -61,5 +61,7 @@ void add_compare_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_progressive_command(CLI::App& app);
 void add_extract_command(CLI::App& app);
+void add_render_command(CLI::App& app);
+void add_turntable_command(CLI::App& app);
 
 }  // namespace recede::cli

@@ -85,7 +85,7 @@ class PixelCriterion {
  private:
   float pixels_of(const RefinementBounds& b, const Vec3f& arm, float distance) const {
     if (b.error == 0) return 0;
-    for (int i = 0; i < n_planes_; ++i) {
+    for (std::size_t i = 0; i < n_planes_; ++i) {
       if (planes_[i].dot(arm) < -b.radius) return 0;
     }
     const float nearest = distance - b.radius;
@@ -105,7 +105,7 @@ class PixelCriterion {
   float pixels_per_length_, front_pixels_, back_pixels_, silhouette_pixels_;
   bool asks_direction_;
   std::array<Vec3f, 4> planes_;  // inward normals, through the position
-  int n_planes_ = 0;
+  std::size_t n_planes_ = 0;
 };
 
 }  // namespace
@@ -119,11 +119,19 @@ class SelectiveMesh::Impl {
     const auto start = Clock::now();
     check(view);
     const PixelCriterion criterion(view);
-    const auto share = [&](Index split) { return criterion.share(graph_.bounds(split)); };
-    const FrontMoves moves = view.max_faces
-                                 ? front_.adapt_within(graph_, share, 1, *view.max_faces)
-                                 : front_.adapt(graph_, [&](Index split) { return share(split) > 1; });
-    return report(moves, largest_left(criterion), start);
+    if (view.max_faces) {
+      const auto share = [&](Index split) { return criterion.share(graph_.bounds(split)); };
+      const FrontMoves moves = front_.adapt_within(graph_, share, 1, *view.max_faces);
+      return report(moves, largest_left(criterion), start);
+    }
+    float largest = 0;  // of those that were found small enough
+    const FrontMoves moves = front_.adapt(graph_, [&](Index split) {
+      const RefinementBounds& bounds = graph_.bounds(split);
+      if (criterion.share(bounds) > 1) return true;
+      largest = std::max(largest, criterion.pixels(bounds));
+      return false;
+    });
+    return report(moves, static_cast<double>(largest), start);
   }
 
   RefinementReport update(double error) {

@@ -20,51 +20,49 @@ VertexHierarchy::VertexHierarchy(std::size_t n_vertices, std::vector<VertexPair>
 }
 
 VertexFront::VertexFront(const VertexHierarchy& hierarchy)
-    : hierarchy_(&hierarchy),
-      last_(hierarchy.n_vertices(), k_no_index),
-      applied_(hierarchy.n_splits(), 0),
-      position_(hierarchy.n_vertices(), 0) {
-  next_.reserve(hierarchy.n_vertices());
-  for (Index v = 0; v < hierarchy.n_vertices(); ++v) next_.push_back(hierarchy.first(v));
+    : hierarchy_(&hierarchy), applied_(hierarchy.n_splits(), 0), place_(hierarchy.n_vertices(), 0) {
   for (Index s = 0; s < hierarchy.n_splits(); ++s) {
     const Index removed = hierarchy.split(s).removed;
     if (removed == k_no_index)
       loose_.push_back(s);
     else
-      position_[removed] = k_no_index;
+      place_[removed] = k_no_index;
   }
   for (Index v = 0; v < hierarchy.n_vertices(); ++v) {
-    if (position_[v] == k_no_index) continue;
-    position_[v] = static_cast<Index>(vertices_.size());
-    vertices_.push_back(v);
+    if (place_[v] == k_no_index) continue;
+    place_[v] = static_cast<Index>(members_.size());
+    members_.push_back({v, hierarchy.first(v), k_no_index, false});
   }
 }
 
 bool VertexFront::is_last(Index split) const {
   const VertexPair& pair = hierarchy_->split(split);
-  return pair.kept == k_no_index || (last_[pair.kept] == split && last_[pair.removed] == split);
+  return pair.kept == k_no_index || (last(pair.kept) == split && last(pair.removed) == split);
 }
 
 void VertexFront::mark_split(Index split) {
   applied_[split] = 1;
   const auto [removed, kept] = hierarchy_->split(split);
   if (kept == k_no_index) return;
-  next_[kept] = hierarchy_->following(split);
-  last_[kept] = last_[removed] = split;
-  position_[removed] = static_cast<Index>(vertices_.size());
-  vertices_.push_back(removed);
+  Member& stays = members_[place_[kept]];
+  stays.next = hierarchy_->following(split);
+  set_last(stays, split);
+  place_[removed] = static_cast<Index>(members_.size());
+  members_.push_back({removed, hierarchy_->first(removed), split, true});
 }
 
 void VertexFront::mark_merge(Index split) {
   applied_[split] = 0;
   const auto [removed, kept] = hierarchy_->split(split);
   if (kept == k_no_index) return;
-  next_[kept] = split;
-  last_[kept] = hierarchy_->preceding(split);
-  const Index position = position_[removed];
-  vertices_[position] = vertices_.back();
-  position_[vertices_[position]] = position;
-  vertices_.pop_back();
+  Member& stays = members_[place_[kept]];
+  stays.next = split;
+  set_last(stays, hierarchy_->preceding(split));
+  const Index place = place_[removed];
+  members_[place] = members_.back();
+  place_[members_[place].vertex] = place;
+  members_.pop_back();
+  place_[removed] = k_no_index;
 }
 
 }  // namespace recede

@@ -75,10 +75,6 @@ class VertexFront {
   explicit VertexFront(const VertexHierarchy& hierarchy);
 
   bool is_applied(Index split) const { return applied_[split] != 0; }
-  const std::vector<Index>& vertices() const { return vertices_; }
-  /// The next split of a vertex, and the one that made it as it is; k_no_index: none.
-  Index next(Index vertex) const { return next_[vertex]; }
-  Index last(Index vertex) const { return last_[vertex]; }
 
   /// Visits the splits that are next, and those without vertices that aren't applied.
   template <typename Visit>
@@ -86,8 +82,8 @@ class VertexFront {
     for (const Index split : loose_) {
       if (!is_applied(split)) visit(split);
     }
-    for (const Index vertex : vertices_) {
-      if (next_[vertex] != k_no_index) visit(next_[vertex]);
+    for (const Member& member : members_) {
+      if (member.next != k_no_index) visit(member.next);
     }
   }
 
@@ -103,6 +99,18 @@ class VertexFront {
 
  private:
   using Ranked = std::pair<double, Index>;
+
+  /// A vertex that is there. All that a scan of the front needs lies together.
+  struct Member {
+    Index vertex, next, last;  ///< its next split, and the one that made it as it is; k_no_index: none
+    bool was_removed;          ///< by `last`; otherwise it was kept
+  };
+  Index next(Index vertex) const { return members_[place_[vertex]].next; }
+  Index last(Index vertex) const { return members_[place_[vertex]].last; }
+  void set_last(Member& member, Index split) {
+    member.last = split;
+    member.was_removed = split != k_no_index && hierarchy_->split(split).removed == member.vertex;
+  }
 
   /// Applies a split after those that it needs.
   template <VertexGraph Graph, std::invocable<Index> Applied>
@@ -123,11 +131,11 @@ class VertexFront {
   void mark_merge(Index split);
 
   const VertexHierarchy* hierarchy_;
-  std::vector<Index> next_, last_;          // by vertex
-  std::vector<unsigned char> applied_;      // by split
-  std::vector<Index> vertices_, position_;  // that are there, and where a vertex stands among them
-  std::vector<Index> loose_;                // splits without vertices
-  std::vector<Index> pending_;              // of `force`
+  std::vector<unsigned char> applied_;  // by split
+  std::vector<Member> members_;
+  std::vector<Index> place_;    // by vertex: among the members; k_no_index: it isn't there
+  std::vector<Index> loose_;    // splits without vertices
+  std::vector<Index> pending_;  // of `force`
 };
 
 template <VertexGraph Graph, std::invocable<Index> Applied>
@@ -141,7 +149,7 @@ void VertexFront::force(Graph& graph, Index split, FrontMoves& moves, Applied&& 
     }
     const std::size_t n = pending_.size();
     graph.around_split(s, [&](Index vertex) {
-      if (next_[vertex] < s) pending_.push_back(next_[vertex]);
+      if (next(vertex) < s) pending_.push_back(next(vertex));
     });
     if (pending_.size() > n) continue;
     pending_.pop_back();
@@ -155,12 +163,12 @@ void VertexFront::force(Graph& graph, Index split, FrontMoves& moves, Applied&& 
 
 template <VertexGraph Graph>
 bool VertexFront::may_merge(const Graph& graph, Index split) const {
-  if (!is_last(split)) return false;
-  const auto [removed, kept] = hierarchy_->split(split);
+  if (!is_applied(split) || !is_last(split)) return false;
+  const VertexPair& pair = hierarchy_->split(split);
   bool is_free = true;
   graph.around_merge(split, [&](Index vertex) {
     // One more than the last split, so that none counts as the least.
-    if (vertex != removed && vertex != kept && last_[vertex] + 1 > split) is_free = false;
+    if (vertex != pair.removed && vertex != pair.kept && last(vertex) + 1 > split) is_free = false;
   });
   return is_free;
 }
@@ -179,25 +187,21 @@ void VertexFront::refine(Graph& graph, Wanted&& wanted, FrontMoves& moves) {
     if (!is_applied(split) && wanted(split)) force(graph, split, moves, nothing);
   }
   // Vertices that come are added at the end.
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    const Index vertex = vertices_[i];
-    while (next_[vertex] != k_no_index && wanted(next_[vertex]) && graph.is_ready(next_[vertex])) {
-      force(graph, next_[vertex], moves, nothing);
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    while (members_[i].next != k_no_index && wanted(members_[i].next) && graph.is_ready(members_[i].next)) {
+      force(graph, members_[i].next, moves, nothing);
     }
   }
 }
 
-/// Visits the splits that might be taken back, each once.
+/// Visits the splits that made a vertex as it is and might be taken back, each once.
 template <typename Visit>
 void VertexFront::each_made_here(Visit&& visit) const {
   for (const Index split : loose_) {
     if (is_applied(split)) visit(split);
   }
-  for (const Index vertex : vertices_) {
-    const Index split = last_[vertex];
-    if (split == k_no_index) continue;
-    const VertexPair& pair = hierarchy_->split(split);
-    if (pair.removed == vertex && last_[pair.kept] == split) visit(split);
+  for (const Member& member : members_) {
+    if (member.was_removed) visit(member.last);
   }
 }
 
@@ -247,8 +251,7 @@ FrontMoves VertexFront::adapt_within(Graph& graph, Priority&& priority, double t
   each_made_here(offer);
   // The lowest priority that can give way; what can't now is offered again when something beside it goes.
   const auto lowest = [&] {
-    while (!applied.empty() && (!is_applied(applied.top().second) || !may_merge(graph, applied.top().second)))
-      applied.pop();
+    while (!applied.empty() && !may_merge(graph, applied.top().second)) applied.pop();
     return applied.empty() ? std::optional<double>() : applied.top().first;
   };
   const auto give_way = [&] {
@@ -262,7 +265,7 @@ FrontMoves VertexFront::adapt_within(Graph& graph, Priority&& priority, double t
       merge(graph, split, moves);
       given_up.insert(split);
       offer(hierarchy_->preceding(split));
-      graph.around_split(split, [&](Index vertex) { offer(last_[vertex]); });
+      graph.around_split(split, [&](Index vertex) { offer(last(vertex)); });
     }
   };
   give_way();
@@ -276,8 +279,8 @@ FrontMoves VertexFront::adapt_within(Graph& graph, Priority&& priority, double t
       const VertexPair& pair = hierarchy_->split(done);
       applied.emplace(priority(done), done);
       if (pair.kept == k_no_index) return;
-      want(next_[pair.kept]);
-      want(next_[pair.removed]);
+      want(next(pair.kept));
+      want(next(pair.removed));
     });
     give_way();
   }

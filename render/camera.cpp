@@ -1,6 +1,8 @@
 #include <recede/geometry/error.h>
 #include <recede/render/camera.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -56,6 +58,20 @@ Camera crop_to_middle(const Camera& camera, int width, int height) {
   crop.width = width;
   crop.height = height;
   return crop;
+}
+
+Vec3 view_from_front(const Vec3& up) {
+  const Vec3 y = up.normalized();
+  const Vec3 front = std::abs(y.z()) < 0.9 ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitY());
+  const Vec3 right = y.cross(front).normalized();
+  return (0.62 * right + 0.5 * y + right.cross(y)).normalized();
+}
+
+Camera orbit(const Camera& camera, double angle) {
+  Camera turned = camera;
+  turned.position =
+      camera.target + Eigen::AngleAxisd(angle, camera.up.normalized()) * (camera.position - camera.target);
+  return turned;
 }
 
 double projected_diameter(const Camera& camera, double radius) {

@@ -43,6 +43,15 @@ Camera look_at(const Vec3& center, const Vec3& direction, double distance, const
 /// the pixels lie half a pixel off. Larger sizes show more around it.
 Camera crop_to_middle(const Camera& camera, int width, int height);
 
+/// Towards a camera in front of a model, a little to the right and above: a unit vector. The front is the
+/// axis most across `up` that comes first in the order z, x, y: +z for y up, as glTF has it, and -y for z up,
+/// as CAD and Blender have it.
+Vec3 view_from_front(const Vec3& up);
+
+/// The camera turned around its target by `angle` (radians), about the axis `up`, counter-clockwise seen from
+/// above.
+Camera orbit(const Camera& camera, double angle);
+
 /// Diameter in pixels of the disc that a sphere around the camera's target covers. Infinite from inside.
 double projected_diameter(const Camera& camera, double radius);
 

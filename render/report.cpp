@@ -21,16 +21,6 @@ constexpr int k_largest_shown = 420;  // pixels a side; larger pictures are shru
 constexpr int k_close_up_side = 420;
 constexpr double k_window_margin = 0.1;  // around the bounding sphere's disc, share of its diameter
 
-// From the front, a little from the right and above.
-Vec3 view_direction(const Vec3& up) {
-  const Vec3 y = up.normalized();
-  // The axis most across `up` that comes first in the order z, x, y is the front: +z for y up, as glTF has
-  // it, and -y for z up, as CAD and Blender have it.
-  const Vec3 front = std::abs(y.z()) < 0.9 ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitY());
-  const Vec3 right = y.cross(front).normalized();
-  return (0.62 * right + 0.5 * y + right.cross(y)).normalized();
-}
-
 // Few samples exaggerate differences along silhouettes, so small pictures, which are cheap and shown
 // enlarged, get more. Large ones stay below this many rays.
 int samples_for(int pixels_a_side) {
@@ -47,7 +37,7 @@ struct SwitchCamera {
 
 SwitchCamera switch_camera(const LodHierarchy& hierarchy, const LodLevel& level, const Vec3& up) {
   const double distance = level.switch_distance + hierarchy.radius;
-  const Camera whole = look_at(hierarchy.center, view_direction(up), distance, up, hierarchy.view);
+  const Camera whole = look_at(hierarchy.center, view_from_front(up), distance, up, hierarchy.view);
   const double disc = projected_diameter(whole, hierarchy.radius);
   // Two pixels more for the disc's own rounding; the parity of the image keeps its pixels.
   const double wanted = std::ceil(disc * (1 + k_window_margin)) + 2;
@@ -81,7 +71,7 @@ SwitchView compare_at_switch(const LodHierarchy& hierarchy, std::size_t index, c
 Camera close_up_camera(const PolygonMesh& mesh, const Vec3& up) {
   constexpr double k_field_of_view = 0.5;  // radians; a long lens, about 29 degrees
   constexpr double k_margin = 0.06;
-  return frame_points(to_soup(mesh).positions, view_direction(up), up, k_field_of_view, k_close_up_side,
+  return frame_points(to_soup(mesh).positions, view_from_front(up), up, k_field_of_view, k_close_up_side,
                       k_margin);
 }
 

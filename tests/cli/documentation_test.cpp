@@ -82,7 +82,8 @@ TEST(Documentation, HoldsOnlySmallPictures) {
 TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
-  for (const char* command : {"bake", "simplify", "compare", "info", "progressive", "extract"}) {
+  for (const char* command :
+       {"bake", "simplify", "compare", "info", "progressive", "extract", "render", "turntable"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -109,7 +110,12 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"bake", sphere, "-o", out, "--ratios", "0.5", "--maps", "displacement", "--map-size", "64",
             "--no-report", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
-           {"extract", out + ".pmesh", "-o", out + ".ply", "--json"}}) {
+           {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},
+           {"extract", out + ".pmesh", "-o", out + "_morph.ply", "--morph-ratio", "0.1", "--json"},
+           {"extract", out + ".pmesh", "-o", out + "_view.ply", "--eye", "0", "0", "3", "--json"},
+           {"render", out + ".ply", "-o", out + ".png", "--image-width", "8", "--json"},
+           {"turntable", out + ".ply", "-o", out + "_frames", "--image-width", "8", "--frames", "2",
+            "--json"}}) {
     collect_fields(json_of(run_recede(arguments)), fields);
   }
   const std::string page = read_whole_file(k_source / "docs/command-line.md");

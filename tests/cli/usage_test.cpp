@@ -10,7 +10,8 @@ using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
-                         testing::Values("bake", "simplify", "compare", "info", "progressive", "extract"),
+                         testing::Values("bake", "simplify", "compare", "info", "progressive", "extract",
+                                         "render", "turntable"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -35,7 +36,8 @@ TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.output, AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
-                                HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract")));
+                                HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract"),
+                                HasSubstr("render"), HasSubstr("turntable")));
 }
 
 TEST(Usage, PrintsTheVersion) {

@@ -77,5 +77,19 @@ TEST(Camera, ImpossibleCamerasAreRefused) {
   EXPECT_THROW(frame_of({.width = 0}), OptionError);
 }
 
+TEST(Camera, OrbitsItsTargetAboutItsUpwardAxis) {
+  const Camera camera{.position = {1, 2, 6}, .target = {1, 1, 1}, .up = {0, 2, 0}};
+  const Camera turned = orbit(camera, std::numbers::pi / 2);
+  // Seen from above, z turns to x counter-clockwise. Rounding of a sine and a cosine.
+  EXPECT_LT((turned.position - Vec3(6, 2, 1)).norm(), 1e-14);
+  EXPECT_EQ(turned.target, camera.target);
+}
+
+TEST(Camera, LooksFromInFront) {
+  EXPECT_GT(view_from_front(Vec3::UnitY()).z(), 0.5);
+  EXPECT_LT(view_from_front(Vec3::UnitZ()).y(), -0.5);
+  EXPECT_NEAR(view_from_front({0, 3, 0}).norm(), 1, 1e-15);
+}
+
 }  // namespace
 }  // namespace recede

@@ -1,0 +1,268 @@
+#include "common.h"
+#include <recede/geometry/closest_point.h>
+#include <recede/geometry/error.h>
+#include <recede/lod/lod_selection.h>
+#include <recede/render/renderer.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace recede::cli {
+namespace {
+
+using Point = std::array<double, 3>;
+namespace fs = std::filesystem;
+
+struct RenderCommandOptions {
+  CommonOptions common;
+  std::string input, output;
+  std::optional<Point> eye, look_at;
+  Point up{0, 1, 0};
+  double field_of_view = 45;  // degrees
+  int width = 800, height = 600;
+  std::optional<std::size_t> level;
+  double pixel_error = 1;
+  int samples = 16;
+  bool wireframe = false, flat = false;
+  // Of a turntable.
+  int frames = 36;
+  double turn = 360;  // degrees
+  std::optional<double> until_distance;
+};
+
+Vec3 to_vector(const Point& point) { return {point[0], point[1], point[2]}; }
+
+/// Levels that can be drawn: those of a hierarchy, or a mesh alone.
+class Drawn {
+ public:
+  Drawn(const RenderCommandOptions& options, Progress* progress) : options_(options) {
+    if (fs::is_directory(options.input)) {
+      hierarchy_ = read_hierarchy(options.input);
+    } else {
+      Model model = read_model(options.input, progress);
+      require_faces(model, options.input);
+      hierarchy_.levels.emplace_back().mesh = std::move(model.read.mesh);
+    }
+    scenes_.resize(hierarchy_.levels.size());
+    if (options.level && *options.level >= scenes_.size()) {
+      throw OptionError(fmt::format("there is no level {}, only {}", *options.level, scenes_.size()));
+    }
+    finest_ = to_soup(hierarchy_.levels[0].mesh);
+    if (scenes_.size() > 1) surface_.emplace(finest_.positions, triangulate(finest_));
+  }
+
+  const PolygonSoup& finest() const { return finest_; }
+  const LodHierarchy& hierarchy() const { return hierarchy_; }
+
+  /// The level for a camera, from the one that was shown before.
+  std::size_t choose(const Camera& camera, std::optional<std::size_t> before) const {
+    if (options_.level) return *options_.level;
+    if (!surface_) return 0;
+    const double distance = std::sqrt(surface_->closest(camera.position).squared_distance);
+    const ViewSettings view{static_cast<double>(camera.height), camera.field_of_view, options_.pixel_error};
+    return level_by_error(hierarchy_, distance, {.view = view, .current = before});
+  }
+
+  Image draw(const Camera& camera, std::size_t level, Progress* progress) {
+    std::optional<Scene>& scene = scenes_[level];
+    if (!scene) {
+      SceneOptions shading;
+      if (options_.flat) shading.crease_angle = 0;
+      scene.emplace(hierarchy_.levels[level].mesh, shading);
+    }
+    RenderOptions rendering;
+    rendering.samples_per_pixel = options_.samples;
+    if (options_.wireframe) rendering.wireframe = Wireframe{};
+    return render(*scene, camera, rendering, progress);
+  }
+
+ private:
+  const RenderCommandOptions& options_;
+  LodHierarchy hierarchy_;
+  PolygonSoup finest_;
+  std::optional<ClosestPointTree> surface_;
+  std::vector<std::optional<Scene>> scenes_;
+};
+
+/// Where it was asked to stand, or where the whole model is seen from in front.
+Camera camera_of(const RenderCommandOptions& options, const PolygonSoup& model) {
+  const double field_of_view = options.field_of_view * std::numbers::pi / 180;
+  const Vec3 up = to_vector(options.up);
+  Camera camera{.up = up, .field_of_view = field_of_view, .width = options.width, .height = options.height};
+  constexpr double k_margin = 0.05;
+  const Vec3 target = options.look_at ? to_vector(*options.look_at) : bounding_box(model).center();
+  if (options.eye) {
+    camera.position = to_vector(*options.eye);
+    camera.target = target;
+    return camera;
+  }
+  // The model fits the shorter side.
+  const int side = std::min(options.width, options.height);
+  const double fitted = 2 * std::atan(std::tan(field_of_view / 2) * side / options.height);
+  const Camera framed = frame_points(model.positions, view_from_front(up), up, fitted, side, k_margin);
+  camera.position = framed.position;
+  camera.target = options.look_at ? target : framed.target;
+  return camera;
+}
+
+Json frame_to_json(const Drawn& drawn, const fs::path& file, const Camera& camera, std::size_t level) {
+  const auto point = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
+  return {{"file", file.string()},
+          {"level", level},
+          {"faces", drawn.hierarchy().levels[level].mesh.n_faces()},
+          {"error_bound", drawn.hierarchy().levels[level].error.bound},
+          {"eye", point(camera.position)},
+          {"look_at", point(camera.target)}};
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void run_render(const RenderCommandOptions& options) {
+  if (fs::path(options.output).extension() != ".png") {
+    throw InputError::in_file(options.output, "pictures are written as .png");
+  }
+  const auto start = std::chrono::steady_clock::now();
+  TerminalProgress progress(options.common.quiet);
+  Drawn drawn(options, &progress);
+  const Camera camera = camera_of(options, drawn.finest());
+  const std::size_t level = drawn.choose(camera, std::nullopt);
+  write_png(options.output, drawn.draw(camera, level, &progress));
+  progress.clear();
+  if (options.common.json) {
+    Json document{{"command", "render"}, {"input", options.input}};
+    document.update(frame_to_json(drawn, options.output, camera, level));
+    document["seconds"] = seconds_since(start);
+    return print_json(document);
+  }
+  fmt::print("level        {}, {} faces\nwritten      {}\n", level,
+             drawn.hierarchy().levels[level].mesh.n_faces(), options.output);
+}
+
+/// Turns around the target, and goes away evenly in proportion when there is a last distance.
+Camera camera_of_frame(const RenderCommandOptions& options, const Camera& first, int frame) {
+  const double share = static_cast<double>(frame) / options.frames;
+  Camera camera = orbit(first, share * options.turn * std::numbers::pi / 180);
+  if (!options.until_distance || options.frames == 1) return camera;
+  const double from = (first.position - first.target).norm();
+  const double way = static_cast<double>(frame) / (options.frames - 1);
+  const double distance = from * std::pow(*options.until_distance / from, way);
+  camera.position = camera.target + (camera.position - camera.target) * (distance / from);
+  return camera;
+}
+
+void run_turntable(const RenderCommandOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  if (fs::exists(options.output) && !fs::is_directory(options.output)) {
+    throw InputError::in_file(options.output, "isn't a folder");
+  }
+  TerminalProgress progress(options.common.quiet);
+  Drawn drawn(options, &progress);
+  const Camera first = camera_of(options, drawn.finest());
+  fs::create_directories(options.output);
+  Json frames = Json::array();
+  std::optional<std::size_t> level;
+  for (int frame = 0; frame < options.frames; ++frame) {
+    const Camera camera = camera_of_frame(options, first, frame);
+    level = drawn.choose(camera, level);
+    const fs::path file = fs::path(options.output) / fmt::format("frame_{:04}.png", frame);
+    write_png(file, drawn.draw(camera, *level, &progress));
+    frames.push_back(frame_to_json(drawn, file, camera, *level));
+  }
+  progress.clear();
+  if (options.common.json) {
+    return print_json({{"command", "turntable"},
+                       {"input", options.input},
+                       {"frames", frames},
+                       {"seconds", seconds_since(start)}});
+  }
+  fmt::print("frames       {} in {}\n", options.frames, options.output);
+  for (int i = 0; i < options.frames; ++i) {
+    const Json& frame = frames[static_cast<std::size_t>(i)];
+    const bool changed = i == 0 || frame["level"] != frames[static_cast<std::size_t>(i - 1)]["level"];
+    if (changed) {
+      fmt::print("from {:4}    level {}, {} faces\n", i, frame["level"].get<std::size_t>(),
+                 frame["faces"].get<std::size_t>());
+    }
+  }
+}
+
+void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
+  command
+      .add_option("input", options.input,
+                  "mesh file, built-in model (teapot, sphere), or a hierarchy's folder NAME.recede")
+      ->required();
+  const auto view = "View (default: the whole model from in front)";
+  command.add_option("--eye", options.eye, "where the camera stands, object units")
+      ->option_text("X Y Z")
+      ->group(view);
+  command.add_option("--look-at", options.look_at, "what it looks at (the middle of the model)")
+      ->option_text("X Y Z")
+      ->group(view);
+  command.add_option("--up", options.up, "what points up in the image (0 1 0)")
+      ->option_text("X Y Z")
+      ->group(view);
+  command.add_option("--field-of-view", options.field_of_view, "vertical, degrees (45)")->group(view);
+  command.add_option("--image-width", options.width, "pixels (800)")
+      ->check(CLI::Range(1, 32768))
+      ->group(view);
+  command.add_option("--image-height", options.height, "pixels (600)")
+      ->check(CLI::Range(1, 32768))
+      ->group(view);
+  const auto level = "Level of a hierarchy";
+  CLI::Option* fixed =
+      command.add_option("--level", options.level, "this one; 0 is the finest")->group(level);
+  command
+      .add_option("--pixel-error", options.pixel_error, "the coarsest whose error covers at most this (1)")
+      ->check(CLI::PositiveNumber)
+      ->excludes(fixed)
+      ->group(level);
+  const auto drawing = "Drawing";
+  command.add_option("--samples", options.samples, "rays for each pixel (16)")
+      ->check(CLI::Range(1, 1024))
+      ->group(drawing);
+  command.add_flag("--wireframe", options.wireframe, "lines along the sides of polygons")->group(drawing);
+  command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  const auto options = std::make_shared<RenderCommandOptions>();
+  CLI::App* command =
+      app.add_subcommand("render", "Draws a model, or the level of a hierarchy that a view needs.");
+  command->footer("Example:\n  recede render out/dragon.recede -o dragon.png --eye 0 1 3");
+  add_picture_options(*command, *options);
+  command->add_option("-o,--output", options->output, "picture to write, .png")->required();
+  add_common_options(*command, options->common);
+  command->callback([options] { run_render(*options); });
+}
+
+void add_turntable_command(CLI::App& app) {
+  const auto options = std::make_shared<RenderCommandOptions>();
+  CLI::App* command =
+      app.add_subcommand("turntable", "Draws a model from all sides, and its levels as it goes away.");
+  command->footer("Example:\n  recede turntable out/dragon.recede -o frames/ --until-distance 100");
+  add_picture_options(*command, *options);
+  command->add_option("-o,--output", options->output, "folder for frame_0000.png and so on")->required();
+  const auto motion = "Motion";
+  command->add_option("--frames", options->frames, "number of pictures (36)")
+      ->check(CLI::Range(1, 9999))
+      ->group(motion);
+  command->add_option("--turn", options->turn, "angle in all, degrees (360)")->group(motion);
+  command
+      ->add_option("--until-distance", options->until_distance,
+                   "distance from what is looked at in the last picture, object units")
+      ->check(CLI::PositiveNumber)
+      ->group(motion);
+  add_common_options(*command, options->common);
+  command->callback([options] { run_turntable(*options); });
+}
+
+}  // namespace recede::cli
