@@ -92,21 +92,13 @@ class Drawn {
 /// Where it was asked to stand, or where the whole model is seen from in front.
 Camera camera_of(const RenderCommandOptions& options, const PolygonSoup& model) {
   const double field_of_view = options.field_of_view * std::numbers::pi / 180;
-  const Vec3 up = to_vector(options.up);
-  Camera camera{.up = up, .field_of_view = field_of_view, .width = options.width, .height = options.height};
-  constexpr double k_margin = 0.05;
-  const Vec3 target = options.look_at ? to_vector(*options.look_at) : bounding_box(model).center();
+  Camera camera =
+      camera_in_front(model.positions, to_vector(options.up), field_of_view, options.width, options.height);
   if (options.eye) {
     camera.position = to_vector(*options.eye);
-    camera.target = target;
-    return camera;
+    camera.target = bounding_box(model).center();
   }
-  // The model fits the shorter side.
-  const int side = std::min(options.width, options.height);
-  const double fitted = 2 * std::atan(std::tan(field_of_view / 2) * side / options.height);
-  const Camera framed = frame_points(model.positions, view_from_front(up), up, fitted, side, k_margin);
-  camera.position = framed.position;
-  camera.target = options.look_at ? target : framed.target;
+  if (options.look_at) camera.target = to_vector(*options.look_at);
   return camera;
 }
 

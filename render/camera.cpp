@@ -143,4 +143,16 @@ Camera frame_points(std::span<const Vec3> points, const Vec3& direction, const V
   return camera;
 }
 
+Camera camera_in_front(std::span<const Vec3> points, const Vec3& up, double field_of_view, int width,
+                       int height) {
+  constexpr double k_margin = 0.05;
+  const int side = std::min(width, height);
+  const double of_side = 2 * std::atan(std::tan(field_of_view / 2) * side / height);
+  Camera camera = frame_points(points, view_from_front(up), up, of_side, side, k_margin);
+  camera.field_of_view = field_of_view;
+  camera.width = width;
+  camera.height = height;
+  return camera;
+}
+
 }  // namespace recede

@@ -48,6 +48,11 @@ Camera crop_to_middle(const Camera& camera, int width, int height);
 /// as CAD and Blender have it.
 Vec3 view_from_front(const Vec3& up);
 
+/// A picture of `width` x `height` pixels from in front (`view_from_front`) whose shorter side holds all
+/// points. Throws `InputError` when there are none.
+Camera camera_in_front(std::span<const Vec3> points, const Vec3& up, double field_of_view, int width,
+                       int height);
+
 /// The camera turned around its target by `angle` (radians), about the axis `up`, counter-clockwise seen from
 /// above.
 Camera orbit(const Camera& camera, double angle);

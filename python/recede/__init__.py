@@ -48,7 +48,7 @@ __all__ = [
     "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "InputError", "Level",
     "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh",
     "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps", "build_progressive",
-    "compare", "make_displaced_sphere", "make_teapot", "read", "set_threads", "simplify",
+    "compare", "make_displaced_sphere", "make_teapot", "read", "render", "set_threads", "simplify",
     "simplify_levels", "write",
 ]
 
@@ -316,6 +316,19 @@ def build_progressive(mesh: Mesh, *, faces: int | None = None, vertices: int | N
     target = {"faces": faces, "vertices": vertices, "ratio": ratio}
     compiled = _recede.build_progressive(mesh, {**settings, **target}, feature_angle, progress)
     return ProgressiveMesh(compiled)
+
+
+def render(mesh: Mesh, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
+           up: Sequence[float] = (0, 1, 0), field_of_view: float = 45, image_width: int = 800, image_height: int = 600,
+           samples: int = 16, wireframe: bool = False, flat: bool = False,
+           progress: Progress | None = None) -> np.ndarray:
+    """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
+
+    Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
+    is vertical, degrees; `samples` are rays for each pixel. Raises `OptionError` for what is out of range.
+    """
+    return _recede.render(mesh, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, samples, wireframe,
+                          flat, progress)
 
 
 def make_teapot(quads_per_side: int = 40, relief: float = 0.02) -> Mesh:

@@ -297,6 +297,21 @@ def test_every_function_says_what_it_does():
             assert item.__doc__ and len(item.__doc__) > 40, name
 
 
+def test_a_picture_shows_the_mesh(sphere):
+    picture = recede.render(sphere, image_width=40, image_height=30, samples=4)
+    assert picture.shape == (30, 40, 3) and picture.dtype == np.float32
+    background = picture[0, 0]
+    assert np.array_equal(picture[-1, -1], background)
+    assert not np.allclose(picture[15, 20], background, atol=0.01)
+    assert np.array_equal(picture, recede.render(sphere, image_width=40, image_height=30, samples=4))
+    away = recede.render(sphere, eye=(0, 0, 3), look_at=(0, 0, 6), image_width=8, image_height=8)
+    assert np.all(away == away[0, 0])
+    with pytest.raises(recede.OptionError):
+        recede.render(sphere, image_width=0)
+    with pytest.raises(recede.OptionError, match="apart"):
+        recede.render(sphere, eye=(0, 0, 1), look_at=(0, 0, 1))
+
+
 def test_a_geomorph_ends_at_two_levels(sphere, tmp_path):
     progressive = recede.build_progressive(sphere, ratio=0.05, prove_error=False)
     coarse = progressive.level(faces=1000)
