@@ -11,11 +11,11 @@ namespace {
 /// Levels with the shares of the source's table, and errors that are a thousandth of the missing share.
 LodHierarchy five_levels() {
   LodHierarchy hierarchy;
-  for (const int side : {10, 9, 8, 6, 4}) {
+  for (const Index side : {10u, 9u, 8u, 6u, 4u}) {
     const PolygonSoup grid = test::grid(side);
     LodLevel& level = hierarchy.levels.emplace_back();
     level.mesh = repair_to_polygon_mesh(grid).mesh;
-    level.error.bound = 1e-3 * (10 - side);
+    level.error.bound = 1e-3 * (10.0 - side);
   }
   return hierarchy;
 }
