@@ -1,5 +1,6 @@
 // The parts that every command passes through: reading, building the half-edge mesh, nearest points,
-// distances.
+// distances, rays.
+#include <recede/geometry/bilinear_patch.h>
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
@@ -100,6 +101,34 @@ void measure_spheres(benchmark::State& state, bool with_bound) {
   for (auto _ : state) benchmark::DoNotOptimize(measure_distance(sphere_of_a_million(), coarse, options));
 }
 
+/// Random patches and rays; one ray is traced against 64 patches, of which it hits about an eighth. `aimed`:
+/// each ray is made for one patch, which it hits.
+void intersect_bilinear_patches(benchmark::State& state, bool aimed) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
+  std::vector<BilinearPatch> patches;
+  std::vector<PatchRay> rays;
+  for (int i = 0; i < 4096; ++i) {
+    patches.push_back({vector(), vector(), vector(), vector()});
+    const Vec3 origin = 2 * vector();
+    rays.emplace_back(origin, (aimed ? patches.back().point(0.3, 0.6) : vector()) - origin);
+  }
+  const std::size_t patches_of_a_ray = aimed ? 1 : 64;
+  std::size_t hits = 0, tested = 0;
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      for (std::size_t k = 0; k < patches_of_a_ray; ++k, ++tested) {
+        const auto hit = rays[i].nearest_hit(patches[(i + k) % patches.size()]);
+        hits += hit.has_value() ? 1 : 0;
+      }
+    }
+    benchmark::DoNotOptimize(hits);
+  }
+  state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(tested);
+  state.SetItemsProcessed(static_cast<std::int64_t>(tested));
+}
+
 BENCHMARK_CAPTURE(read_file, ply, std::string(".ply"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(read_file, obj, std::string(".obj"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(build_polygon_mesh)->Unit(benchmark::kMillisecond);
@@ -108,6 +137,8 @@ BENCHMARK_CAPTURE(find_closest_points, scattered, false)->Unit(benchmark::kMilli
 BENCHMARK_CAPTURE(find_closest_points, neighbours_with_hint, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(measure_spheres, sampled, false)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(measure_spheres, sampled_and_bound, true)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(intersect_bilinear_patches, random, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(intersect_bilinear_patches, aimed, true)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 
