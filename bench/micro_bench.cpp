@@ -2,6 +2,7 @@
 // distances, rays.
 #include <recede/geometry/bilinear_patch.h>
 #include <recede/geometry/closest_point.h>
+#include <recede/geometry/displacement_map.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
@@ -9,6 +10,7 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <random>
 
@@ -129,6 +131,26 @@ void intersect_bilinear_patches(benchmark::State& state, bool aimed) {
   state.SetItemsProcessed(static_cast<std::int64_t>(tested));
 }
 
+/// Smooth hills with noise on them: `size` x `size` texels of 16 bits.
+DisplacementMap make_hills(int size) {
+  Raster raster{size, size, 1, 16, false, {}};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(0, 1000);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      const double hill = std::sin(20.0 * x / size) * std::cos(15.0 * y / size);
+      raster.samples.push_back(static_cast<std::uint16_t>(32000 + 30000 * hill + noise(random)));
+    }
+  }
+  return DisplacementMap(std::move(raster), 0.1, 0);
+}
+
+void build_height_bounds(benchmark::State& state) {
+  const DisplacementMap map = make_hills(4096);
+  for (auto _ : state) benchmark::DoNotOptimize(HeightBounds(map));
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(map.bytes()));
+}
+
 BENCHMARK_CAPTURE(read_file, ply, std::string(".ply"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(read_file, obj, std::string(".obj"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(build_polygon_mesh)->Unit(benchmark::kMillisecond);
@@ -139,6 +161,7 @@ BENCHMARK_CAPTURE(measure_spheres, sampled, false)->Unit(benchmark::kMillisecond
 BENCHMARK_CAPTURE(measure_spheres, sampled_and_bound, true)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(intersect_bilinear_patches, random, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(intersect_bilinear_patches, aimed, true)->Unit(benchmark::kMillisecond);
+BENCHMARK(build_height_bounds)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 
