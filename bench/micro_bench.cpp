@@ -3,6 +3,7 @@
 #include <recede/geometry/bilinear_patch.h>
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/displacement_map.h>
+#include <recede/geometry/height_field.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
@@ -151,6 +152,32 @@ void build_height_bounds(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(map.bytes()));
 }
 
+/// 2048 x 2048 cells of hills, seen from one point row by row, or by random rays between two points above.
+void trace_height_field(benchmark::State& state, bool camera) {
+  const DisplacementMap map = make_hills(2048);
+  const HeightField field(map);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(0, 1);
+  std::vector<std::pair<Vec3, Vec3>> rays;
+  constexpr int k_side = 400;
+  for (int y = 0; y < k_side; ++y) {
+    for (int x = 0; x < k_side; ++x) {
+      const Vec3 origin = camera ? Vec3(0.5, -0.6, 0.6) : Vec3(number(random), number(random), 0.15);
+      const Vec3 target = camera ? Vec3((x + .5) / k_side, (y + .5) / k_side, 0.05)
+                                 : Vec3(number(random), number(random), 0.1 * number(random));
+      rays.emplace_back(origin, target - origin);
+    }
+  }
+  std::size_t hits = 0;
+  for (auto _ : state) {
+    hits = 0;
+    for (const auto& [origin, direction] : rays)
+      hits += field.first_hit(origin, direction).has_value() ? 1 : 0;
+  }
+  state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(rays.size());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rays.size()));
+}
+
 BENCHMARK_CAPTURE(read_file, ply, std::string(".ply"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(read_file, obj, std::string(".obj"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(build_polygon_mesh)->Unit(benchmark::kMillisecond);
@@ -162,6 +189,8 @@ BENCHMARK_CAPTURE(measure_spheres, sampled_and_bound, true)->Unit(benchmark::kMi
 BENCHMARK_CAPTURE(intersect_bilinear_patches, random, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(intersect_bilinear_patches, aimed, true)->Unit(benchmark::kMillisecond);
 BENCHMARK(build_height_bounds)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(trace_height_field, camera, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(trace_height_field, scattered, false)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 
