@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace recede {
 namespace {
@@ -49,61 +50,78 @@ struct HeightField::Node {
 
 struct HeightField::Search {
   PatchRay ray;
-  ShearedLine::Range range;
+  ShearedLine::Range range;  ///< its end shrinks to the nearest hit so far
   double padding = 0;
+  bool any = false;  ///< one hit is enough
+  bool found = false;
   Node cell = {};
   PatchHit hit = {};
+
+  ShearedLine::Range clip(Eigen::Index axis, double lower, double upper, const ShearedLine::Range& to) const {
+    return ray.line().clip_to_slab(axis, lower - padding, upper + padding, to);
+  }
 };
 
-/// Visits the nodes of the pyramid that the ray passes, nearest first. `search.range.leave` shrinks to the
-/// nearest hit so far.
-template <bool any>
-bool HeightField::search(Search& search) const {
-  const ShearedLine& line = search.ray.line();
-  const auto clip = [&](Node& node) {
-    const HeightRange heights = bounds_.node(node.level, node.x, node.y);
-    const auto last = [&](int at, int count) {
-      return static_cast<std::size_t>(std::min((at + 1) << node.level, count));
-    };
-    const Vec3 lower(u_[static_cast<std::size_t>(node.x << node.level)], v_[last(node.y, bounds_.rows(0))],
-                     heights.min);
-    const Vec3 upper(u_[last(node.x, bounds_.columns(0))], v_[static_cast<std::size_t>(node.y << node.level)],
-                     heights.max);
-    const ShearedLine::Range inside =
-        line.clip_to_box(lower.array() - search.padding, upper.array() + search.padding, search.range);
-    node.enter = inside.enter;
-    return !inside.empty();
-  };
+void HeightField::test_cell(const Node& node, Search& search) const {
+  const auto hit = search.ray.nearest_hit(cell(node.x, node.y), search.range.enter, search.range.leave);
+  if (!hit || (search.found && hit->t == search.range.leave)) return;
+  search.found = true;
+  search.cell = node;
+  search.hit = *hit;
+  search.range.leave = hit->t;
+}
 
-  bool found = false;
-  std::array<Node, 3 * 32 + 1> stack;  // three siblings wait on each level
+/// Puts those children of a node that the ray passes in `children`, the farthest first. Returns how many.
+std::size_t HeightField::open(const Node& node, const Search& search, Node* children) const {
+  const int level = node.level - 1;
+  ShearedLine::Range across[2], down[2];
+  for (int half = 0; half < 2; ++half) {
+    const auto lines = [&](int at, int cells) {
+      const int first = std::min((2 * at + half) << level, cells);
+      const int last = std::min((2 * at + half + 1) << level, cells);
+      return std::pair(static_cast<std::size_t>(first), static_cast<std::size_t>(last));
+    };
+    const auto [left, right] = lines(node.x, bounds_.columns(0));
+    const auto [top, bottom] = lines(node.y, bounds_.rows(0));
+    constexpr ShearedLine::Range k_none{1, 0};
+    across[half] = left < right ? search.clip(0, u_[left], u_[right], search.range) : k_none;
+    down[half] = top < bottom ? search.clip(1, v_[bottom], v_[top], search.range) : k_none;
+  }
+  std::size_t count = 0;
+  for (int child = 0; child < 4; ++child) {
+    const ShearedLine::Range &a = across[child % 2], &b = down[child / 2];
+    const ShearedLine::Range above{std::max(a.enter, b.enter), std::min(a.leave, b.leave)};
+    if (above.empty()) continue;
+    Node at{level, 2 * node.x + child % 2, 2 * node.y + child / 2, 0};
+    const HeightRange heights = bounds_.node(level, at.x, at.y);
+    const ShearedLine::Range inside = search.clip(2, heights.min, heights.max, above);
+    if (inside.empty()) continue;
+    at.enter = inside.enter;
+    std::size_t place = count++;
+    for (; place > 0 && children[place - 1].enter < at.enter; --place) children[place] = children[place - 1];
+    children[place] = at;
+  }
+  return count;
+}
+
+/// Visits the nodes of the pyramid that the ray passes, nearest first.
+void HeightField::search(Search& search) const {
+  const ShearedLine& line = search.ray.line();
+  if (!line.origin().allFinite() || !line.direction().allFinite()) return;
+  // Three siblings wait on each level. The root's own bounds aren't tested: its children's are.
+  std::array<Node, 3 * 32 + 1> stack;
   std::size_t top = 0;
-  Node root{bounds_.levels() - 1, 0, 0, 0};
-  if (clip(root)) stack[top++] = root;
+  stack[top++] = {bounds_.levels() - 1, 0, 0, search.range.enter};
   while (top > 0) {
     const Node node = stack[--top];
     if (node.enter > search.range.leave) continue;
-    if (node.level == 0) {
-      const auto hit = search.ray.nearest_hit(cell(node.x, node.y), search.range.enter, search.range.leave);
-      if (!hit || (found && hit->t == search.range.leave)) continue;
-      if constexpr (any) return true;
-      found = true;
-      search.cell = node;
-      search.hit = *hit;
-      search.range.leave = hit->t;
+    if (node.level > 0) {
+      top += open(node, search, stack.data() + top);
       continue;
     }
-    // The farthest child comes first on the stack.
-    const std::size_t first = top;
-    for (int child = 0; child < 4; ++child) {
-      Node at{node.level - 1, 2 * node.x + child % 2, 2 * node.y + child / 2, 0};
-      if (at.x >= bounds_.columns(at.level) || at.y >= bounds_.rows(at.level) || !clip(at)) continue;
-      std::size_t place = top++;
-      for (; place > first && stack[place - 1].enter < at.enter; --place) stack[place] = stack[place - 1];
-      stack[place] = at;
-    }
+    test_cell(node, search);
+    if (search.any && search.found) return;
   }
-  return found;
 }
 
 namespace {
@@ -121,7 +139,8 @@ double padding_for(const HeightBounds& bounds, const Vec3& origin) {
 std::optional<HeightField::Hit> HeightField::first_hit(const Vec3& origin, const Vec3& direction,
                                                        double t_min, double t_max) const {
   Search found{PatchRay(origin, direction), {t_min, t_max}, padding_for(bounds_, origin)};
-  if (!search<false>(found)) return {};
+  search(found);
+  if (!found.found) return {};
   const BilinearPatch patch = cell(found.cell.x, found.cell.y);
   Hit hit;
   hit.t = found.hit.t;
@@ -133,8 +152,9 @@ std::optional<HeightField::Hit> HeightField::first_hit(const Vec3& origin, const
 }
 
 bool HeightField::is_hit(const Vec3& origin, const Vec3& direction, double t_min, double t_max) const {
-  Search found{PatchRay(origin, direction), {t_min, t_max}, padding_for(bounds_, origin)};
-  return search<true>(found);
+  Search found{PatchRay(origin, direction), {t_min, t_max}, padding_for(bounds_, origin), true};
+  search(found);
+  return found.found;
 }
 
 }  // namespace recede

@@ -27,7 +27,8 @@ class HeightField {
 
   /// The first point with t from `t_min` to `t_max` in which a ray meets the surface, from above or below;
   /// the same as of a test of all cells one by one (of hits at one t, any). Rays don't slip through between
-  /// cells. `direction` has any length; a ray without direction meets nothing.
+  /// cells. `direction` has any length; a ray without direction, or with numbers that aren't finite, meets
+  /// nothing.
   std::optional<Hit> first_hit(const Vec3& origin, const Vec3& direction, double t_min = 0,
                                double t_max = std::numeric_limits<double>::infinity()) const;
   /// Whether there is one; faster.
@@ -43,8 +44,9 @@ class HeightField {
   struct Node;
   struct Search;
   double height_at_node(int x, int y) const;
-  template <bool any>
-  bool search(Search& search) const;
+  void test_cell(const Node& node, Search& search) const;
+  std::size_t open(const Node& node, const Search& search, Node* children) const;
+  void search(Search& search) const;
 
   const DisplacementMap* map_;
   HeightBounds bounds_;

@@ -40,21 +40,25 @@ class ShearedLine {
     double enter = 0, leave = 0;
     bool empty() const { return enter > leave; }
   };
-  /// That part of `within` that lies in the box, borders included; rounding only makes it longer.
+  /// That part of `within` that lies in the box, or between two planes across an axis; borders included.
+  /// Rounding only makes it longer.
   Range clip_to_box(const Vec3& lower, const Vec3& upper, Range within) const {
-    constexpr double k_rounding = 1e-15;  // three roundings of 1.1e-16 each, and to spare
-    for (int axis = 0; axis < 3; ++axis) {
-      if (direction_[axis] == 0) {
-        if (origin_[axis] < lower[axis] || origin_[axis] > upper[axis]) return {1, 0};
-        continue;
-      }
-      const double a = (lower[axis] - origin_[axis]) * inverse_[axis];
-      const double b = (upper[axis] - origin_[axis]) * inverse_[axis];
-      const double low = std::min(a, b), high = std::max(a, b);
-      within.enter = std::max(within.enter, low * (low > 0 ? 1 - k_rounding : 1 + k_rounding));
-      within.leave = std::min(within.leave, high * (high > 0 ? 1 + k_rounding : 1 - k_rounding));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      within = clip_to_slab(axis, lower[axis], upper[axis], within);
     }
     return within;
+  }
+  Range clip_to_slab(Eigen::Index axis, double lower, double upper, const Range& within) const {
+    constexpr double k_rounding = 1e-15;  // three roundings of 1.1e-16 each, and to spare
+    if (direction_[axis] == 0) {
+      if (origin_[axis] < lower || origin_[axis] > upper) return {1, 0};
+      return within;
+    }
+    const double a = (lower - origin_[axis]) * inverse_[axis];
+    const double b = (upper - origin_[axis]) * inverse_[axis];
+    const double low = std::min(a, b), high = std::max(a, b);
+    return {std::max(within.enter, low * (low > 0 ? 1 - k_rounding : 1 + k_rounding)),
+            std::min(within.leave, high * (high > 0 ? 1 + k_rounding : 1 - k_rounding))};
   }
 
  private:

@@ -43,6 +43,9 @@ TEST(HeightField, IsTheSurfaceOfTheMap) {
     EXPECT_FALSE(field.is_hit({1.001, .5, 10}, {0, 0, -1}));
     EXPECT_FALSE(field.is_hit({.5, .5, 10}, {0, 0, 1}));
     EXPECT_FALSE(field.is_hit({.5, .5, 10}, {0, 0, 0}));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(field.is_hit({.5, nan, 10}, {0, 0, -1}));
+    EXPECT_FALSE(field.is_hit({.5, .5, 10}, {nan, 0, -1}));
   }
 }
 
