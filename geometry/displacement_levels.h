@@ -47,7 +47,7 @@ FootprintSampling sampling_of(double longer, double shorter);
 /// must stay in place. Levels from 1 on take a third of its memory.
 class DisplacementLevels {
  public:
-  /// Same for any number of threads. Least volumes are found by descent (section 4.2 of the source) with the
+  /// Same for any number of threads. Least volumes are found by descent (equation 12 of the source) with the
   /// exact gradient, from the means; the best heights seen are kept, so no level is worse than its means but
   /// for rounding to the bits of the map. Throws `OptionError` for steps < 1, and `Cancelled`.
   explicit DisplacementLevels(const DisplacementMap& map, const LevelOptions& options = {},

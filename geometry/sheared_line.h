@@ -11,7 +11,7 @@
 namespace recede {
 
 /// The line origin + t direction. What is computed of a point depends on that point alone, so neighbours that
-/// share a point agree on it. Include it in sources that are compiled without contraction only.
+/// share a point agree on it. Call it in sources that are compiled without contraction only.
 class ShearedLine {
  public:
   /// `direction` has any length but 0.
