@@ -1,6 +1,9 @@
 // The parts that every command passes through: reading, building the half-edge mesh, nearest points,
-// distances.
+// distances, rays.
+#include <recede/geometry/bilinear_patch.h>
 #include <recede/geometry/closest_point.h>
+#include <recede/geometry/displacement_map.h>
+#include <recede/geometry/height_field.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
@@ -8,6 +11,7 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <random>
 
@@ -100,6 +104,80 @@ void measure_spheres(benchmark::State& state, bool with_bound) {
   for (auto _ : state) benchmark::DoNotOptimize(measure_distance(sphere_of_a_million(), coarse, options));
 }
 
+/// Random patches and rays; one ray is traced against 64 patches, of which it hits about an eighth. `aimed`:
+/// each ray is made for one patch, which it hits.
+void intersect_bilinear_patches(benchmark::State& state, bool aimed) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
+  std::vector<BilinearPatch> patches;
+  std::vector<PatchRay> rays;
+  for (int i = 0; i < 4096; ++i) {
+    patches.push_back({vector(), vector(), vector(), vector()});
+    const Vec3 origin = 2 * vector();
+    rays.emplace_back(origin, (aimed ? patches.back().point(0.3, 0.6) : vector()) - origin);
+  }
+  const std::size_t patches_of_a_ray = aimed ? 1 : 64;
+  std::size_t hits = 0, tested = 0;
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      for (std::size_t k = 0; k < patches_of_a_ray; ++k, ++tested) {
+        const auto hit = rays[i].nearest_hit(patches[(i + k) % patches.size()]);
+        hits += hit.has_value() ? 1 : 0;
+      }
+    }
+    benchmark::DoNotOptimize(hits);
+  }
+  state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(tested);
+  state.SetItemsProcessed(static_cast<std::int64_t>(tested));
+}
+
+/// Smooth hills with noise on them: `size` x `size` texels of 16 bits.
+DisplacementMap make_hills(int size) {
+  Raster raster{size, size, 1, 16, false, {}};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(0, 1000);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      const double hill = std::sin(20.0 * x / size) * std::cos(15.0 * y / size);
+      raster.samples.push_back(static_cast<std::uint16_t>(32000 + 30000 * hill + noise(random)));
+    }
+  }
+  return DisplacementMap(std::move(raster), 0.1, 0);
+}
+
+void build_height_bounds(benchmark::State& state) {
+  const DisplacementMap map = make_hills(4096);
+  for (auto _ : state) benchmark::DoNotOptimize(HeightBounds(map));
+  state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(map.bytes()));
+}
+
+/// 2048 x 2048 cells of hills, seen from one point row by row, or by random rays between two points above.
+void trace_height_field(benchmark::State& state, bool camera) {
+  const DisplacementMap map = make_hills(2048);
+  const HeightField field(map);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(0, 1);
+  std::vector<std::pair<Vec3, Vec3>> rays;
+  constexpr int k_side = 400;
+  for (int y = 0; y < k_side; ++y) {
+    for (int x = 0; x < k_side; ++x) {
+      const Vec3 origin = camera ? Vec3(0.5, -0.6, 0.6) : Vec3(number(random), number(random), 0.15);
+      const Vec3 target = camera ? Vec3((x + .5) / k_side, (y + .5) / k_side, 0.05)
+                                 : Vec3(number(random), number(random), 0.1 * number(random));
+      rays.emplace_back(origin, target - origin);
+    }
+  }
+  std::size_t hits = 0;
+  for (auto _ : state) {
+    hits = 0;
+    for (const auto& [origin, direction] : rays)
+      hits += field.first_hit(origin, direction).has_value() ? 1 : 0;
+  }
+  state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(rays.size());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rays.size()));
+}
+
 BENCHMARK_CAPTURE(read_file, ply, std::string(".ply"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(read_file, obj, std::string(".obj"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(build_polygon_mesh)->Unit(benchmark::kMillisecond);
@@ -108,6 +186,11 @@ BENCHMARK_CAPTURE(find_closest_points, scattered, false)->Unit(benchmark::kMilli
 BENCHMARK_CAPTURE(find_closest_points, neighbours_with_hint, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(measure_spheres, sampled, false)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(measure_spheres, sampled_and_bound, true)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(intersect_bilinear_patches, random, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(intersect_bilinear_patches, aimed, true)->Unit(benchmark::kMillisecond);
+BENCHMARK(build_height_bounds)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(trace_height_field, camera, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(trace_height_field, scattered, false)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

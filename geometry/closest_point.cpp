@@ -1,4 +1,5 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/geometry/sheared_line.h>
 
 #include <algorithm>
 #include <cmath>
@@ -210,65 +211,31 @@ ClosestPointTree::Hit ClosestPointTree::closest_of_others(const Vec3& p, Index l
 
 namespace {
 
-/// A line for tests against boxes and triangles: sheared so that its direction is the third axis.
-class ShearedLine {
- public:
-  ShearedLine(const Vec3& origin, const Vec3& direction) : origin_(origin) {
-    direction.cwiseAbs().maxCoeff(&z_);
-    x_ = (z_ + 1) % 3;
-    y_ = (z_ + 2) % 3;
-    if (direction[z_] < 0) std::swap(x_, y_);  // keeps the sense of rotation
-    shear_x_ = direction[x_] / direction[z_];
-    shear_y_ = direction[y_] / direction[z_];
-    scale_ = 1 / direction[z_];
-    inverse_ = direction.cwiseInverse();
-  }
+/// The least distance from the origin, either way, at which the line is in the box; infinity when it isn't
+/// within `limit`.
+double distance_to_box(const ShearedLine& line, const Vec3& lower, const Vec3& upper, double limit) {
+  const ShearedLine::Range inside = line.clip_to_box(lower, upper, {-limit, limit});
+  if (inside.empty()) return std::numeric_limits<double>::infinity();
+  return std::max({0.0, inside.enter, -inside.leave});
+}
 
-  /// The least distance from the origin, either way, at which the line is in the box; infinity when it isn't
-  /// within `limit`.
-  double distance_to_box(const Vec3& lower, const Vec3& upper, double limit) const {
-    constexpr double k_rounding = 1e-15;
-    double enter = -limit, leave = limit;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double a = (lower[axis] - origin_[axis]) * inverse_[axis];
-      const double b = (upper[axis] - origin_[axis]) * inverse_[axis];
-      const double low = std::min(a, b), high = std::max(a, b);
-      // A line in a face of the box gives 0 * infinity: such comparisons leave the interval as it is.
-      enter = std::max(enter, low * (low > 0 ? 1 - k_rounding : 1 + k_rounding));
-      leave = std::min(leave, high * (high > 0 ? 1 + k_rounding : 1 - k_rounding));
-    }
-    if (enter > leave) return std::numeric_limits<double>::infinity();
-    return std::max({0.0, enter, -leave});
-  }
-
-  /// Crosses the triangle from behind, nearer than `best`; then `best` becomes that crossing but for its
-  /// triangle's number.
-  bool cross(const Triangle& triangle, ClosestPointTree::Crossing& best) const {
-    const Vec3 a = sheared(triangle.a), b = sheared(triangle.b), c = sheared(triangle.c);
-    const double u = c.x() * b.y() - c.y() * b.x(), v = a.x() * c.y() - a.y() * c.x(),
-                 w = b.x() * a.y() - b.y() * a.x();
-    // Against the sense of the source, whose front sides face the origin of the ray.
-    if (u > 0 || v > 0 || w > 0) return false;
-    const double sum = u + v + w;
-    if (!(sum < 0)) return false;
-    const Vec3 weights = Vec3(u, v, w) / sum;
-    const double distance = weights.dot(Vec3(a.z(), b.z(), c.z()));
-    if (!(std::abs(distance) < std::abs(best.distance))) return false;
-    best.distance = distance;
-    best.weights = weights;
-    return true;
-  }
-
- private:
-  Vec3 sheared(const Vec3& point) const {
-    const Vec3 p = point - origin_;
-    return {p[x_] - shear_x_ * p[z_], p[y_] - shear_y_ * p[z_], scale_ * p[z_]};
-  }
-
-  Vec3 origin_, inverse_;
-  Eigen::Index x_ = 0, y_ = 1, z_ = 2;
-  double shear_x_ = 0, shear_y_ = 0, scale_ = 1;
-};
+/// Crosses the triangle from behind, nearer than `best`; then `best` becomes that crossing but for its
+/// triangle's number.
+bool cross(const ShearedLine& line, const Triangle& triangle, ClosestPointTree::Crossing& best) {
+  const Vec3 a = line.sheared(triangle.a), b = line.sheared(triangle.b), c = line.sheared(triangle.c);
+  const double u = c.x() * b.y() - c.y() * b.x(), v = a.x() * c.y() - a.y() * c.x(),
+               w = b.x() * a.y() - b.y() * a.x();
+  // Against the sense of the source, whose front sides face the origin of the ray.
+  if (u > 0 || v > 0 || w > 0) return false;
+  const double sum = u + v + w;
+  if (!(sum < 0)) return false;
+  const Vec3 weights = Vec3(u, v, w) / sum;
+  const double distance = weights.dot(Vec3(a.z(), b.z(), c.z()));
+  if (!(std::abs(distance) < std::abs(best.distance))) return false;
+  best.distance = distance;
+  best.weights = weights;
+  return true;
+}
 
 }  // namespace
 
@@ -293,13 +260,13 @@ ClosestPointTree::Crossing ClosestPointTree::nearest_crossing(const Vec3& origin
       const Index first = pending.node & k_leaf_first_mask;
       const Index count = (pending.node & ~k_leaf_bit) >> k_leaf_count_shift;
       for (Index i = first; i < first + count; ++i) {
-        if (line.cross(triangles_[i], best)) best.triangle = number_[i];
+        if (cross(line, triangles_[i], best)) best.triangle = number_[i];
       }
       continue;
     }
     const Node& node = nodes_[pending.node];
-    const double left = line.distance_to_box(node.lower[0], node.upper[0], reach);
-    const double right = line.distance_to_box(node.lower[1], node.upper[1], reach);
+    const double left = distance_to_box(line, node.lower[0], node.upper[0], reach);
+    const double right = distance_to_box(line, node.lower[1], node.upper[1], reach);
     const int near = right < left ? 1 : 0;
     const double near_distance = std::min(left, right), far_distance = std::max(left, right);
     if (far_distance <= reach) stack[top++] = {node.child[1 - near], far_distance};

@@ -116,6 +116,21 @@ TEST(ClosestPoint, NoLineSlipsThroughAtEdgesAndCornersOfAClosedSurface) {
   }
 }
 
+TEST(ClosestPoint, ALineAlongAnAxisMeetsTheBorderOnEverySide) {
+  // A strip of six squares: more triangles than a leaf holds, so that boxes are tested.
+  std::vector<Vec3> positions;
+  std::vector<Index> corners;
+  for (Index i = 0; i <= 6; ++i) {
+    for (const double y : {0.0, 1.0}) positions.emplace_back(i, y, 0);
+    if (i == 6) break;
+    for (const Index k : {0u, 2u, 3u, 0u, 3u, 1u}) corners.push_back(2 * i + k);
+  }
+  const ClosestPointTree tree(positions, corners);
+  for (const Vec3& border : {Vec3(0, .5, 0), Vec3(6, .5, 0), Vec3(2.5, 0, 0), Vec3(2.5, 1, 0)}) {
+    EXPECT_EQ(tree.nearest_crossing(border - Vec3::UnitZ(), Vec3::UnitZ(), 3).distance, 1) << border;
+  }
+}
+
 TEST(ClosestPoint, ALineMissesTrianglesThatFaceAgainstItAndThoseBeyondTheLimit) {
   const std::vector<Vec3> square = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   const ClosestPointTree tree(square, {0, 1, 2, 0, 2, 3});

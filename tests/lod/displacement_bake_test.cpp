@@ -1,4 +1,5 @@
 #include "meshes.h"
+#include <recede/geometry/displacement_map.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
@@ -102,6 +103,17 @@ TEST(DisplacementBake, HeightsAndNormalsOfAParaboloidAreThoseOfItsFormula) {
       EXPECT_NEAR(maps.height_at({u, v}), height(u, v), 1e-4);
       const Vec3 expected = Vec3(-0.4 * u, -0.4 * v, 1).normalized();
       EXPECT_LT((mapped_normal(maps, {u, v}, Vec3::UnitX(), 1) - expected).norm(), 0.01);
+    }
+  }
+}
+
+TEST(DisplacementBake, AMapOfTheSamplesHasTheSameHeights) {
+  const auto height = [](double x, double y) { return 0.1 * x * x - 0.2 * y; };
+  const BakedMaps maps = bake_maps(field(16, height), square(), {.size = 24});
+  const DisplacementMap map(maps.displacement, maps.height_scale, maps.height_offset);
+  for (const double u : {0.0, 0.013, 0.47, 0.9, 1.0}) {
+    for (const double v : {0.0, 0.21, 0.5, 0.99, 1.0}) {
+      EXPECT_NEAR(map.height_at({u, v}), maps.height_at({u, v}), 1e-15);  // roundings of heights up to 0.2
     }
   }
 }
