@@ -71,8 +71,8 @@ SwitchView compare_at_switch(const LodHierarchy& hierarchy, std::size_t index, c
   result.shrink_factor = (side + k_largest_shown - 1) / k_largest_shown;
   result.level = shrink(level_image, result.shrink_factor);
   result.original = shrink(original_image, result.shrink_factor);
-  result.heat = heat_map(result.difference, detail::k_heat_map_scale, result.shrink_factor);
-  result.difference.magnitudes = {};
+  result.heat = heat_map(result.difference.magnitudes, detail::k_heat_map_scale, result.shrink_factor);
+  result.difference.magnitudes.samples = {};
   result.samples_per_pixel = options.samples_per_pixel;
   result.camera_distance = view.distance;
   result.sphere_fits = view.sphere_fits;
