@@ -70,6 +70,8 @@ SimplifyOptions read_options(const py::dict& from);
 
 /// Adds progressive meshes to the module.
 void bind_progressive(py::module_& m);
+/// Adds pictures and their differences.
+void bind_images(py::module_& m);
 /// Adds baked maps.
 void bind_maps(py::module_& m);
 
