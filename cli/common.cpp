@@ -32,28 +32,6 @@ Model read_model(const std::string& input, Progress* progress) {
   return {fs::path(input).stem().string(), read_mesh(input, progress)};
 }
 
-namespace {
-
-/// Turns a name into its number. CLI11's own transformers also take the numbers, and list them when they
-/// complain.
-template <typename Value>
-CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
-  const auto replace = [names](std::string& text) -> std::string {
-    std::string known;
-    for (const auto& [name, value] : names) {
-      if (text == name) {
-        text = std::to_string(static_cast<int>(value));
-        return "";
-      }
-      known += (known.empty() ? "" : ", ") + name;
-    }
-    return fmt::format("{} isn't one of {}", text, known);
-  };
-  return {replace, "NAME"};
-}
-
-}  // namespace
-
 void require_faces(const Model& model, const std::string& input) {
   if (model.read.mesh.n_faces() > 0) return;
   std::string reason = "holds no faces";

@@ -6,9 +6,12 @@
 #include <recede/lod/simplify.h>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace recede::cli {
 
@@ -32,6 +35,24 @@ Model read_model(const std::string& input, Progress* progress);
 void require_faces(const Model& model, const std::string& input);
 inline constexpr const char* k_input_help =
     "mesh file (.obj .ply .stl .off .gltf .glb), or a built-in model: teapot, sphere";
+
+/// Turns a name into its number. CLI11's own transformers also take the numbers, and list them when they
+/// complain.
+template <typename Value>
+CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
+  const auto replace = [names](std::string& text) -> std::string {
+    std::string known;
+    for (const auto& [name, value] : names) {
+      if (text == name) {
+        text = std::to_string(static_cast<int>(value));
+        return "";
+      }
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    return fmt::format("{} isn't one of {}", text, known);
+  };
+  return {replace, "NAME"};
+}
 
 /// How to simplify, without the target.
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle);
@@ -63,5 +84,6 @@ void add_progressive_command(CLI::App& app);
 void add_extract_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_turntable_command(CLI::App& app);
+void add_diff_command(CLI::App& app);
 
 }  // namespace recede::cli

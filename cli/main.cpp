@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   recede::cli::add_bake_command(app);
   recede::cli::add_simplify_command(app);
   recede::cli::add_compare_command(app);
+  recede::cli::add_diff_command(app);
   recede::cli::add_info_command(app);
   recede::cli::add_progressive_command(app);
   recede::cli::add_extract_command(app);

@@ -5,9 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <new>
 
 namespace recede {
@@ -30,9 +28,7 @@ constexpr std::array<Format, 6> k_formats{{{".obj", detail::read_obj, detail::fo
                                            {".glb", detail::read_gltf, detail::format_glb}}};
 
 const Format& format_of(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = detail::lower_case_extension(path);
   for (const Format& format : k_formats) {
     if (format.extension == extension) return format;
   }

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace recede {
@@ -11,7 +13,7 @@ namespace recede {
 /// A rectangle of texels, row by row, row 0 on top. Samples are whole numbers from 0 to 2^bits - 1.
 struct Raster {
   int width = 0, height = 0;
-  int channels = 1;   ///< 1: grey, 3: red, green, blue
+  int channels = 1;   ///< 1: grey, 3: red, green, blue; files may also have 2 or 4: the same and opacity
   int bits = 8;       ///< of a sample, 8 or 16
   bool srgb = false;  ///< samples are encoded by the sRGB transfer function; else linear data
   std::vector<std::uint16_t> samples;  ///< height x width x channels
@@ -26,8 +28,16 @@ struct Raster {
 };
 
 /// The bytes of a PNG file with the same samples. A raster that isn't sRGB says nothing about its transfer
-/// function. Throws `OptionError` unless sizes, channels and bits are as said above and fit the samples, and
-/// `Error` with libpng's reason.
+/// function. Throws `OptionError` unless sizes and bits are as said above, there are 1 or 3 channels, and
+/// samples for them, and `Error` with libpng's reason.
 std::string encode_png(const Raster& raster);
+
+/// What the bytes of a PNG file hold, of any kind: palettes become colours, samples of fewer than 8 bits are
+/// spread over 8, transparent colours become a channel of opacity. `srgb` says whether the file has the chunk
+/// of that name. Throws `InputError` with `name` in front for anything else.
+Raster decode_png(std::string_view bytes, const std::string& name);
+
+/// `decode_png` of a whole file.
+Raster read_png(const std::filesystem::path& path);
 
 }  // namespace recede

@@ -68,10 +68,10 @@ class PythonProgress final : public Progress {
 /// Options by the names of `SimplifyOptions`, with the target. Throws `OptionError` for unknown choices.
 SimplifyOptions read_options(const py::dict& from);
 
-/// Adds pictures to the module.
-void bind_pictures(py::module_& m);
 /// Adds progressive meshes to the module.
 void bind_progressive(py::module_& m);
+/// Adds pictures and their differences.
+void bind_images(py::module_& m);
 /// Adds baked maps.
 void bind_maps(py::module_& m);
 

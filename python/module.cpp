@@ -396,7 +396,7 @@ PYBIND11_MODULE(_recede, m) {
         [](std::size_t faces, bool triangles) { return make_mesh(make_displaced_sphere(faces, triangles)); });
   bind_progressive(m);
   bind_maps(m);
-  bind_pictures(m);
+  bind_images(m);
   m.def("set_threads", &set_threads);
 }
 

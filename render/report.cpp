@@ -1,6 +1,7 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/render/detail/report_content.h>
+#include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
 
 #include <fmt/format.h>
@@ -60,8 +61,8 @@ SwitchView compare_at_switch(const LodHierarchy& hierarchy, std::size_t index, c
   result.shrink_factor = (side + k_largest_shown - 1) / k_largest_shown;
   result.level = shrink(level_image, result.shrink_factor);
   result.original = shrink(original_image, result.shrink_factor);
-  result.heat = heat_map(result.difference, detail::k_heat_map_scale, result.shrink_factor);
-  result.difference.magnitudes = {};
+  result.heat = heat_map(result.difference.magnitudes, detail::k_heat_map_scale, result.shrink_factor);
+  result.difference.magnitudes.samples = {};
   result.samples_per_pixel = options.samples_per_pixel;
   result.camera_distance = view.distance;
   result.sphere_fits = view.sphere_fits;
@@ -73,20 +74,6 @@ Camera close_up_camera(const PolygonMesh& mesh, const Vec3& up) {
   constexpr double k_margin = 0.06;
   return frame_points(to_soup(mesh).positions, view_from_front(up), up, k_field_of_view, k_close_up_side,
                       k_margin);
-}
-
-Image to_image(const Raster& raster) {
-  Image image(raster.width, raster.height);
-  const float largest = raster.bits == 16 ? 65535.0f : 255.0f;
-  for (int y = 0; y < raster.height; ++y) {
-    for (int x = 0; x < raster.width; ++x) {
-      for (int channel = 0; channel < 3; ++channel) {
-        const auto sample = static_cast<float>(raster.at(x, y, raster.channels == 3 ? channel : 0));
-        image.at(x, y)[channel] = decode_srgb(sample / largest);
-      }
-    }
-  }
-  return image;
 }
 
 bool change_the_look(const BakedMaps& maps) {

@@ -23,8 +23,8 @@ Json difference_fields(const SwitchView& view) {
   return {{"rmse", view.difference.rmse},
           {"max", view.difference.max},
           {"changed_share", view.difference.changed_share},
-          {"width", view.difference.width},
-          {"height", view.difference.height},
+          {"width", view.difference.magnitudes.width},
+          {"height", view.difference.magnitudes.height},
           {"samples_per_pixel", view.samples_per_pixel},
           {"camera_distance", view.camera_distance}};
 }

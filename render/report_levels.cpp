@@ -87,7 +87,8 @@ std::string heat_scale() {
 }
 
 std::string size_note(const SwitchView& view, int factor) {
-  const std::string size = fmt::format("{} × {} pixels", view.difference.width, view.difference.height);
+  const std::string size =
+      fmt::format("{} × {} pixels", view.difference.magnitudes.width, view.difference.magnitudes.height);
   if (view.shrink_factor > 1) return size + fmt::format(", shown {} times smaller", view.shrink_factor);
   return factor > 1 ? size + fmt::format(", shown {} times larger", factor) : size;
 }

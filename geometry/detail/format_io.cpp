@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -24,6 +25,13 @@ void ReadProgress::report(std::size_t offset) {
   next_ = offset + k_bytes_between_reports;
   const double size = static_cast<double>(std::max<std::size_t>(file_.content.size(), 1));
   report_progress(file_.progress, "read", std::min(1.0, static_cast<double>(offset) / size));
+}
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 std::string in_quotes(std::string_view text) {

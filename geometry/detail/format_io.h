@@ -41,6 +41,9 @@ class ReadProgress {
   std::size_t next_ = 0;
 };
 
+/// The extension with its dot, `.PNG` as `.png`.
+std::string lower_case_extension(const std::filesystem::path& path);
+
 /// A piece of a file for a one-line message: in quotes, control characters replaced, cut where it gets long.
 std::string in_quotes(std::string_view text);
 

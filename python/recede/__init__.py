@@ -21,6 +21,7 @@ from math import pi
 from typing import Any, Optional, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from ._recede import (
     BakedMaps,
@@ -30,6 +31,7 @@ from ._recede import (
     Error,
     FileReport,
     Geomorph,
+    ImageDifference,
     InputError,
     Level,
     LevelError,
@@ -45,11 +47,11 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "InputError", "Level",
-    "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh",
+    "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph",
+    "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh",
     "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps", "build_progressive",
-    "compare", "make_displaced_sphere", "make_teapot", "read", "render", "set_threads", "simplify",
-    "simplify_levels", "write",
+    "compare", "diff", "make_displaced_sphere", "make_teapot", "read", "read_image", "render", "set_threads", "simplify",
+    "simplify_levels", "write", "write_image",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -137,6 +139,38 @@ def compare(first: Mesh, second: Mesh, *, samples: int = 200_000, bound_toleranc
     certified interval as a share of `max_bound`; None certifies nothing.
     """
     return _recede.compare(first, second, samples, bound_tolerance, progress)
+
+
+def read_image(path: Path) -> np.ndarray:
+    """A PNG or OpenEXR picture: height x width x 3 floats of linear light (sRGB primaries, 1 is white), row 0 on top.
+
+    What isn't opaque lies over white. Raises `InputError` that names the file.
+    """
+    return _recede.read_image(path)
+
+
+def write_image(path: Path, pixels: npt.ArrayLike) -> None:
+    """Writes height x width x 3 floats of linear light, or height x width for grey.
+
+    `.png` holds 8 bits a channel, sRGB, clamped to 0..1; `.exr` 32-bit floats. The file appears whole or not at all.
+    Raises `InputError`, also for integers: bytes aren't linear light.
+    """
+    _recede.write_image(path, pixels)
+
+
+def diff(first: Path | npt.ArrayLike, second: Path | npt.ArrayLike, *, mask: Path | npt.ArrayLike | None = None,
+         pixels_per_degree: float = 67.02) -> ImageDifference:
+    """How much two pictures of one size differ; see docs/diff.md.
+
+    Pictures are paths, or arrays as `read_image` gives them. `mask` says which pixels count: height x width truths or
+    numbers (those above 0.5), or a picture (encoded grey above 0.5); what lies outside changes no measure.
+    `pixels_per_degree` is how many pixels cover a degree of the viewer's field of view, 1 to 1000, for FLIP.
+
+    The result has `flip` and `ssim` (means), `psnr` (dB, inf for equal pictures), `rmse`, `max` and `changed_share`; and
+    `flip_map`, `ssim_map`, `difference_map`, height x width floats. Raises `InputError` for sizes that differ and numbers
+    that aren't finite, `OptionError` for `pixels_per_degree` out of range.
+    """
+    return _recede.diff(first, second, mask, pixels_per_degree)
 
 
 def _map_options(maps: Sequence[str], size: int, format: str, normal_bits: int,

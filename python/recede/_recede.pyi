@@ -166,6 +166,34 @@ class Distance:
     @property
     def samples(self) -> int: ...
 
+class ImageDifference:
+    @property
+    def flip(self) -> float:
+        """Mean, 0: equal, to 1"""
+    @property
+    def ssim(self) -> float:
+        """Mean, 1: equal"""
+    @property
+    def psnr(self) -> float:
+        """dB; inf: equal"""
+    @property
+    def rmse(self) -> float:
+        """Of sRGB values from 0 to 1, like `max`"""
+    @property
+    def max(self) -> float: ...
+    @property
+    def changed_share(self) -> float:
+        """Share of the pixels that differ by more than 1/255"""
+    @property
+    def flip_map(self) -> npt.NDArray[np.float32]:
+        """H x W, 0 outside the mask"""
+    @property
+    def ssim_map(self) -> npt.NDArray[np.float32]:
+        """H x W, 1 outside the mask"""
+    @property
+    def difference_map(self) -> npt.NDArray[np.float32]:
+        """H x W: the largest difference of a channel, 0 outside the mask"""
+
 class LevelError:
     @property
     def max(self) -> float: ...
@@ -344,6 +372,12 @@ class ProgressiveMesh:
 def build_progressive(
     mesh: Mesh, settings: Mapping[str, Any], feature_angle: float, progress: _Progress
 ) -> ProgressiveMesh: ...
+def diff(
+    first: Union[_Path, npt.ArrayLike], second: Union[_Path, npt.ArrayLike], mask: Union[_Path, npt.ArrayLike, None],
+    pixels_per_degree: float,
+) -> ImageDifference: ...
+def read_image(path: _Path) -> npt.NDArray[np.float32]: ...
+def write_image(path: _Path, pixels: npt.ArrayLike) -> None: ...
 def read_progressive(path: _Path) -> ProgressiveMesh: ...
 def read(path: _Path, repair: bool, progress: _Progress) -> Mesh: ...
 def write(path: _Path, mesh: Mesh) -> list[str]: ...

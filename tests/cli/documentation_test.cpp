@@ -83,7 +83,7 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
   for (const char* command :
-       {"bake", "simplify", "compare", "info", "progressive", "extract", "render", "turntable"}) {
+       {"bake", "simplify", "compare", "diff", "info", "progressive", "extract", "render", "turntable"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -102,10 +102,12 @@ void collect_fields(const nlohmann::json& value, std::set<std::string>& names) {
 TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 500), out = folder / "out";
+  const std::string picture = (k_source / "docs/images/diff.png").string();
   std::set<std::string> fields;
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"info", sphere, "--json"},
            {"compare", sphere, sphere, "--json"},
+           {"diff", picture, picture, "--json"},
            {"simplify", sphere, "-o", out + ".ply", "--ratio", "0.5", "--json"},
            {"bake", sphere, "-o", out, "--ratios", "0.5", "--maps", "displacement", "--map-size", "64",
             "--no-report", "--json"},

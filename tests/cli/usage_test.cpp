@@ -10,7 +10,7 @@ using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
-                         testing::Values("bake", "simplify", "compare", "info", "progressive", "extract",
+                         testing::Values("bake", "simplify", "compare", "diff", "info", "progressive", "extract",
                                          "render", "turntable"),
                          [](const auto& tested) { return std::string(tested.param); });
 
@@ -35,7 +35,7 @@ TEST_P(EveryCommand, AsksForItsArguments) {
 TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.output, AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
+  EXPECT_THAT(run.output, AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("diff"),
                                 HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract"),
                                 HasSubstr("render"), HasSubstr("turntable")));
 }
@@ -84,6 +84,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"NoPixels", {"bake", "teapot", "--image-height", "0"}, "image height"},
         BadValue{"FieldOfViewOfAHalfTurn", {"bake", "teapot", "--field-of-view", "180"}, "field of view"},
         BadValue{"NoPixelError", {"bake", "teapot", "--pixel-error", "0"}, "pixel error"},
+        BadValue{"UnknownKindOfMap", {"diff", "a.png", "b.png", "--map", "beauty"}, "flip, ssim, difference"},
+        BadValue{"NoPixelsPerDegree", {"diff", "a.png", "b.png", "--pixels-per-degree", "0"}, "--pixels"},
+        BadValue{"LimitAboveOne", {"diff", "a.png", "b.png", "--fail-above", "2"}, "--fail-above"},
         BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
     [](const auto& tested) { return std::string(tested.param.name); });
 

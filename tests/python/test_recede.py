@@ -244,6 +244,76 @@ def test_wrong_options_of_maps_are_refused(options, text):
         recede.bake_maps(square(), square(), **options)
 
 
+def test_images_are_arrays_of_linear_light(tmp_path):
+    image = np.random.default_rng(3).random((5, 7, 3), dtype=np.float32)
+    recede.write_image(tmp_path / "a.exr", image)
+    back = recede.read_image(tmp_path / "a.exr")
+    assert back.dtype == np.float32 and np.array_equal(back, image)
+    recede.write_image(str(tmp_path / "grey.png"), np.array([[0.0, 0.5, 1.0]]))
+    grey = recede.read_image(tmp_path / "grey.png")
+    assert grey.shape == (1, 3, 3) and (grey[..., 0] == grey[..., 2]).all()
+    assert grey[0, 0, 0] == 0 and grey[0, 2, 0] == 1
+    assert grey[0, 1, 0] == pytest.approx(((188 / 255 + 0.055) / 1.055) ** 2.4, abs=1e-6)  # 0.5 is 187.5 of 255
+
+
+def test_diff_measures_pictures(tmp_path):
+    random = np.random.default_rng(4)
+    a, b = random.random((20, 30, 3)), random.random((20, 30, 3))
+
+    def encode(linear):
+        return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+    steps = np.abs(encode(a) - encode(b))
+    d = recede.diff(a, b)
+    # Encoded values are floats.
+    assert d.rmse == pytest.approx(np.sqrt((steps ** 2).mean()), abs=1e-6)
+    assert d.psnr == pytest.approx(-20 * np.log10(d.rmse), abs=1e-9)
+    assert np.abs(d.difference_map - steps.max(axis=2)).max() < 1e-6
+    assert d.max == d.difference_map.max() and d.changed_share == 1
+    assert d.flip_map.shape == d.ssim_map.shape == (20, 30) and d.flip_map.dtype == np.float32
+    assert d.flip == pytest.approx(d.flip_map.mean(dtype=float), abs=1e-12)
+    assert d.ssim == pytest.approx(d.ssim_map[5:-5, 5:-5].mean(dtype=float), abs=1e-12)  # whole windows
+    assert recede.diff(a, b, pixels_per_degree=200).flip < d.flip
+    recede.write_image(tmp_path / "a.exr", a)
+    recede.write_image(tmp_path / "b.exr", b)
+    assert recede.diff(tmp_path / "a.exr", str(tmp_path / "b.exr")).flip == d.flip
+    same = recede.diff(a, a)
+    assert (same.flip, same.ssim, same.rmse, same.psnr) == (0, 1, 0, np.inf)
+    assert "FLIP" in repr(d)
+
+
+def test_diff_counts_what_is_inside_the_mask(tmp_path):
+    a, b = np.zeros((20, 30, 3)), np.zeros((20, 30, 3))
+    b[:, 15:] = 1
+    left = np.zeros((20, 30), bool)
+    left[:, :15] = True
+    assert recede.diff(a, b, mask=left).flip == 0 and recede.diff(a, b, mask=left).rmse == 0
+    right = recede.diff(a, b, mask=~left)
+    assert right.rmse == pytest.approx(1, abs=1e-6) and right.flip == pytest.approx(0.967, abs=5e-4)
+    assert (right.flip_map[left] == 0).all() and (right.ssim_map[left] == 1).all()
+    recede.write_image(tmp_path / "right.png", (~left).astype(float))
+    for mask in (tmp_path / "right.png", 0.6 * ~left, recede.read_image(tmp_path / "right.png")):
+        assert recede.diff(a, b, mask=mask).flip == right.flip
+
+
+@pytest.mark.parametrize("second, mask, text", [
+    (np.zeros((4, 6, 3)), None, "5 x 4 and 6 x 4 pixels"), (np.zeros((4, 5, 4)), None, "second picture must be an array"),
+    (np.zeros((4, 5, 3), np.uint8), None, "floats"), (np.full((4, 5, 3), np.nan), None, "finite"),
+    ("missing.png", None, "missing.png: No such file"), (np.zeros((4, 5)), np.ones((5, 4)), "the mask has 4 x 5"),
+    (np.zeros((4, 5)), np.zeros((4, 5)), "no pixel"), (np.zeros((4, 5)), ["x"], "mask must be an array"),
+    (None, None, "second picture must be an array"), (np.zeros((0, 5, 3)), None, "must be an array"),
+])
+def test_what_diff_cant_compare_is_refused_in_one_line(second, mask, text):
+    with pytest.raises(recede.InputError, match=text) as error:
+        recede.diff(np.zeros((4, 5, 3)), second, mask=mask)
+    assert "\n" not in str(error.value)
+
+
+def test_diff_refuses_impossible_viewers():
+    with pytest.raises(recede.OptionError, match="1 and 1000"):
+        recede.diff(np.zeros((4, 5)), np.zeros((4, 5)), pixels_per_degree=0)
+
+
 def test_progress_is_called_and_can_cancel(sphere):
     calls = []
     recede.simplify(sphere, ratio=0.1, progress=lambda stage, fraction: calls.append((stage, fraction)))

@@ -1,0 +1,144 @@
+// Pictures of meshes, picture files, and differences of pictures for Python.
+#include "calls.h"
+#include "numpy_arrays.h"
+#include <recede/render/image_difference.h>
+#include <recede/render/image_io.h>
+#include <recede/render/renderer.h>
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+
+namespace recede::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All measures of two pictures.
+struct ImageMeasures {
+  ImageDifference difference;
+  ImageMeasure ssim, flip;
+};
+
+using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+/// Height x width x 3, or height x width for grey. Throws `InputError` that names `what`.
+Image read_pixels(const py::handle& source, const std::string& what) {
+  const py::array any = py::array::ensure(source);
+  const bool shaped = any && (any.ndim() == 2 || (any.ndim() == 3 && any.shape(2) == 3)) && any.size() > 0;
+  if (!any) PyErr_Clear();
+  if (!shaped) throw InputError(what + " must be an array of height x width x 3 or height x width numbers");
+  // Bytes would be taken for light far beyond white.
+  if (any.dtype().kind() != 'f') throw InputError(what + " must hold floats of linear light, 1 is white");
+  const FloatArray array = FloatArray::ensure(any);
+  Image image(static_cast<int>(any.shape(1)), static_cast<int>(any.shape(0)));
+  const bool grey = any.ndim() == 2;
+  const float* sample = array.data();
+  for (Rgb& pixel : image.pixels) {
+    pixel = grey ? Rgb(Rgb::Constant(*sample)) : Rgb(sample[0], sample[1], sample[2]);
+    if (!pixel.allFinite()) throw InputError(what + " holds a number that isn't finite");
+    sample += grey ? 1 : 3;
+  }
+  return image;
+}
+
+Image read_unlocked(const fs::path& path) {
+  const py::gil_scoped_release unlocked;
+  return read_image(path);
+}
+
+bool is_path(const py::handle& source) {
+  return py::isinstance<py::str>(source) || py::hasattr(source, "__fspath__");
+}
+
+Image image_of(const py::handle& source, const std::string& what) {
+  return is_path(source) ? read_unlocked(source.cast<fs::path>()) : read_pixels(source, what);
+}
+
+/// None, a path, a picture, or height x width truths or numbers of which those above 0.5 count.
+ImageMask read_mask(const py::handle& source) {
+  if (source.is_none()) return {};
+  if (is_path(source)) return mask_of(image_of(source, "mask"));
+  const py::array any = py::array::ensure(source);
+  if (!any) PyErr_Clear();
+  if (any && any.ndim() == 3) return mask_of(read_pixels(source, "mask"));
+  const FloatArray array = any ? FloatArray::ensure(any) : FloatArray();
+  if (!array) PyErr_Clear();
+  if (!array || array.ndim() != 2 || array.size() == 0)
+    throw InputError("mask must be an array of height x width truths or numbers");
+  ImageMask mask{static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), {}};
+  for (py::ssize_t i = 0; i < array.size(); ++i) mask.inside.push_back(array.data()[i] > 0.5f ? 1 : 0);
+  return mask;
+}
+
+py::array to_array(const Image& image) {
+  FloatArray array({image.height, image.width, 3});
+  float* to = array.mutable_data();
+  for (const Rgb& pixel : image.pixels) to = std::copy(pixel.begin(), pixel.end(), to);
+  return array;
+}
+
+py::array to_array(const FloatRaster& map) { return FloatArray({map.height, map.width}, map.samples.data()); }
+
+ImageMeasures diff(const py::handle& a, const py::handle& b, const py::handle& mask,
+                   double pixels_per_degree) {
+  const Image first = image_of(a, "the first picture"), second = image_of(b, "the second picture");
+  const ImageMask inside = read_mask(mask);
+  const py::gil_scoped_release unlocked;
+  return {compare_images(first, second, inside), compute_ssim(first, second, inside),
+          compute_flip(first, second, {.pixels_per_degree = pixels_per_degree}, inside)};
+}
+
+py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye,
+                               const std::optional<Vec3>& look_at, const Vec3& up, double field_of_view,
+                               int width, int height, int samples, bool wireframe, bool flat,
+                               py::object progress) {
+  const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
+    Camera camera = camera_in_front(mesh.soup->positions, up, field_of_view, width, height);
+    if (eye) {
+      camera.position = *eye;
+      camera.target = bounding_box(*mesh.soup).center();
+    }
+    if (look_at) camera.target = *look_at;
+    SceneOptions shading;
+    if (flat) shading.crease_angle = 0;
+    RenderOptions options;
+    options.samples_per_pixel = samples;
+    if (wireframe) options.wireframe = Wireframe{};
+    return render(Scene(*mesh.soup, shading), camera, options, p);
+  });
+  return to_array(image);
+}
+
+}  // namespace
+
+void bind_images(py::module_& m) {
+  py::class_<ImageMeasures>(m, "ImageDifference")
+      .def_property_readonly("rmse", [](const ImageMeasures& d) { return d.difference.rmse; })
+      .def_property_readonly("psnr", [](const ImageMeasures& d) { return d.difference.psnr; })
+      .def_property_readonly("max", [](const ImageMeasures& d) { return d.difference.max; })
+      .def_property_readonly("changed_share",
+                             [](const ImageMeasures& d) { return d.difference.changed_share; })
+      .def_property_readonly("ssim", [](const ImageMeasures& d) { return d.ssim.mean; })
+      .def_property_readonly("flip", [](const ImageMeasures& d) { return d.flip.mean; })
+      .def_property_readonly("difference_map",
+                             [](const ImageMeasures& d) { return to_array(d.difference.magnitudes); })
+      .def_property_readonly("ssim_map", [](const ImageMeasures& d) { return to_array(d.ssim.map); })
+      .def_property_readonly("flip_map", [](const ImageMeasures& d) { return to_array(d.flip.map); })
+      .def("__repr__", [](const ImageMeasures& d) {
+        return "<recede.ImageDifference of FLIP " + std::to_string(d.flip.mean) + ", SSIM " +
+               std::to_string(d.ssim.mean) + ", PSNR " + std::to_string(d.difference.psnr) + " dB>";
+      });
+  m.def("diff", &diff);
+  m.def("render", &render_mesh);
+  m.def("read_image", [](const fs::path& path) { return to_array(read_unlocked(path)); });
+  m.def("write_image", [](const fs::path& path, const py::handle& pixels) {
+    const Image image = read_pixels(pixels, "the picture");
+    const py::gil_scoped_release unlocked;
+    write_image(path, image);
+  });
+}
+
+}  // namespace recede::python
