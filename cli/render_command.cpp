@@ -2,6 +2,7 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/lod_selection.h>
+#include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
 
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ struct RenderCommandOptions {
   std::optional<std::size_t> level;
   double pixel_error = 1;
   int samples = 16;
-  bool wireframe = false, flat = false;
+  bool wireframe = false, flat = false, no_maps = false;
   // Of a turntable.
   int frames = 36;
   double turn = 360;  // degrees
@@ -73,7 +74,11 @@ class Drawn {
     if (!scene) {
       SceneOptions shading;
       if (options_.flat) shading.crease_angle = 0;
-      scene.emplace(hierarchy_.levels[level].mesh, shading);
+      const LodLevel& drawn = hierarchy_.levels[level];
+      if (drawn.maps && !options_.no_maps)
+        scene.emplace(dice_surface(*drawn.maps), shading);
+      else
+        scene.emplace(drawn.mesh, shading);
     }
     RenderOptions rendering;
     rendering.samples_per_pixel = options_.samples;
@@ -117,15 +122,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 void run_render(const RenderCommandOptions& options) {
-  if (fs::path(options.output).extension() != ".png") {
-    throw InputError::in_file(options.output, "pictures are written as .png");
-  }
+  is_exr(options.output);  // refuses other extensions before the work
   const auto start = std::chrono::steady_clock::now();
   TerminalProgress progress(options.common.quiet);
   Drawn drawn(options, &progress);
   const Camera camera = camera_of(options, drawn.finest());
   const std::size_t level = drawn.choose(camera, std::nullopt);
-  write_png(options.output, drawn.draw(camera, level, &progress));
+  write_image(options.output, drawn.draw(camera, level, &progress));
   progress.clear();
   if (options.common.json) {
     Json document{{"command", "render"}, {"input", options.input}};
@@ -220,6 +223,8 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->check(CLI::Range(1, 1024))
       ->group(drawing);
   command.add_flag("--wireframe", options.wireframe, "lines along the sides of polygons")->group(drawing);
+  command.add_flag("--no-maps", options.no_maps, "bare levels, without their displacement and normal maps")
+      ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
 }
 
@@ -231,7 +236,7 @@ void add_render_command(CLI::App& app) {
       app.add_subcommand("render", "Draws a model, or the level of a hierarchy that a view needs.");
   command->footer("Example:\n  recede render out/dragon.recede -o dragon.png --eye 0 1 3");
   add_picture_options(*command, *options);
-  command->add_option("-o,--output", options->output, "picture to write, .png")->required();
+  command->add_option("-o,--output", options->output, "picture to write, .png or .exr")->required();
   add_common_options(*command, options->common);
   command->callback([options] { run_render(*options); });
 }

@@ -89,6 +89,15 @@ class Dicer {
   PolygonSoup soup_;
 };
 
+double covered_texels(const MapTriangles& triangles, int size) {
+  double area = 0;  // of the unit square, doubled
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vec2 a = triangles.uv(t, 1) - triangles.uv(t, 0), b = triangles.uv(t, 2) - triangles.uv(t, 0);
+    area += std::abs(a.x() * b.y() - a.y() * b.x());
+  }
+  return 0.5 * area * size * size;
+}
+
 }  // namespace
 
 PolygonSoup dice_surface(const BakedMaps& maps, const DiceOptions& options) {
@@ -96,8 +105,9 @@ PolygonSoup dice_surface(const BakedMaps& maps, const DiceOptions& options) {
   int parts = options.parts;
   if (parts == 0) {
     constexpr double k_most = 1e6;
-    const auto n = static_cast<double>(std::max<std::size_t>(MapTriangles(maps).size(), 1));
-    const double wanted = std::min(k_most, 2.0 * static_cast<double>(maps.report.texels));
+    const MapTriangles triangles(maps);
+    const auto n = static_cast<double>(std::max<std::size_t>(triangles.size(), 1));
+    const double wanted = std::min(k_most, 2 * covered_texels(triangles, maps.size));
     parts = std::max(1, static_cast<int>(std::sqrt(wanted / n)));
   }
   return Dicer(maps, options.displace, parts).run();

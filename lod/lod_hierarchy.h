@@ -85,7 +85,8 @@ struct HierarchyFiles {
 /// a level is written as `BakedMaps::surface`, the GLB with its tangents.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
-/// Reads what `write_hierarchy` wrote below `<name>.recede/`, without maps. Throws `InputError`.
+/// Reads what `write_hierarchy` wrote below `<name>.recede/`, maps too, but of what baking met only why there
+/// is an atlas. Throws `InputError`.
 LodHierarchy read_hierarchy(const std::filesystem::path& folder);
 
 }  // namespace recede

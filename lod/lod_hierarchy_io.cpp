@@ -3,6 +3,7 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/gltf_writer.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/lod/detail/map_surface.h>
 #include <recede/lod/lod_hierarchy.h>
 
 #include <fmt/format.h>
@@ -114,6 +115,7 @@ Json to_json(const LodLevel& level, const std::string& file, const MapFiles& map
   if (!maps.normal.empty()) result["normal"] = {{"uri", maps.normal.filename().string()}};
   if (!maps.normal_exr.empty()) result["normal"]["exr"] = maps.normal_exr.filename().string();
   if (!maps.color.empty()) result["color"] = {{"uri", maps.color.filename().string()}};
+  if (level.maps) result["atlas_reason"] = level.maps->report.atlas_reason;
   return result;
 }
 
@@ -141,6 +143,53 @@ MapFiles write_maps(const LodLevel& level, std::size_t number, const fs::path& s
   write_floats(level.maps->float_normal, "normal",
                {.half = true, .comments = "tangent space, x = 2 R - 1, y up as in OpenGL"}, files.normal_exr);
   return files;
+}
+
+/// A map of `channels` and, unless 0, of `size`.
+Raster read_map(const fs::path& path, int channels, int size) {
+  Raster map = read_png(path);
+  if (map.channels != channels || map.width != map.height || (size > 0 && map.width != size)) {
+    throw InputError::in_file(
+        path.string(), fmt::format("isn't a square map of {} channels and the size of the others", channels));
+  }
+  return map;
+}
+
+/// The maps that `to_json` named, and the surface that the level's file holds. What baking met isn't in the
+/// files.
+std::optional<BakedMaps> read_maps(const Json& entry, const fs::path& folder, PolygonSoup surface) {
+  BakedMaps maps;
+  const auto read = [&](const char* kind, int channels, Raster& map) {
+    if (!entry.contains(kind)) return false;
+    map = read_map(folder / entry.at(kind).at("uri").get<std::string>(), channels, maps.size);
+    maps.size = map.width;
+    return true;
+  };
+  const auto read_floats = [&](const char* kind, std::size_t channels, FloatRaster& map) {
+    if (!entry.contains(kind) || !entry.at(kind).contains("exr")) return;
+    const fs::path path = folder / entry.at(kind).at("exr").get<std::string>();
+    map = read_exr(path);
+    if (map.channels.size() != channels || map.width != maps.size || map.height != maps.size) {
+      throw InputError::in_file(path.string(), "isn't the map that its PNG file holds");
+    }
+  };
+  if (read("displacement", 1, maps.displacement)) {
+    maps.height_scale = entry.at("displacement").at("scale");
+    maps.height_offset = entry.at("displacement").at("offset");
+  }
+  read("normal", 3, maps.normal);
+  read("color", 3, maps.color);
+  read_floats("displacement", 1, maps.float_displacement);
+  read_floats("normal", 3, maps.float_normal);
+  if (maps.size == 0) return std::nullopt;
+  maps.report.atlas_reason = entry.value("atlas_reason", "");
+  if (surface.corner_uvs.empty() || surface.corner_normals.empty()) {
+    throw InputError::in_file((folder / entry.at("file").get<std::string>()).string(),
+                              "has maps but no texture coordinates or no normals");
+  }
+  maps.surface = std::move(surface);
+  maps.corner_tangents = detail::tangents_of(maps.surface);
+  return maps;
 }
 
 /// A folder that takes its final name only when everything in it was written.
@@ -244,6 +293,7 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
       level.switch_distance = entry.at("switch_distance");
       level.screen_coverage = entry.at("screen_coverage");
       level.stop_reason = entry.at("stop_reason");
+      level.maps = read_maps(entry, folder, std::move(soup));
       hierarchy.levels.push_back(std::move(level));
     }
   } catch (const nlohmann::json::exception& error) {

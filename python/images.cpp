@@ -91,10 +91,9 @@ ImageMeasures diff(const py::handle& a, const py::handle& b, const py::handle& m
           compute_flip(first, second, {.pixels_per_degree = pixels_per_degree}, inside)};
 }
 
-py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye,
-                               const std::optional<Vec3>& look_at, const Vec3& up, double field_of_view,
-                               int width, int height, int samples, bool wireframe, bool flat,
-                               py::object progress) {
+py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye, const std::optional<Vec3>& look_at,
+                      const Vec3& up, double field_of_view, int width, int height, int samples,
+                      bool wireframe, bool flat, py::object progress) {
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
     Camera camera = camera_in_front(mesh.soup->positions, up, field_of_view, width, height);
     if (eye) {

@@ -1,3 +1,4 @@
+#include "input_errors.h"
 #include "meshes.h"
 #include "temp_folder.h"
 #include <recede/geometry/atomic_file.h>
@@ -170,7 +171,27 @@ TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesThatTheGlbNames) {
     EXPECT_EQ(uri_of(material.at("pbrMetallicRoughness").at("baseColorTexture")), start + "_color.png");
   }
   EXPECT_FALSE(glb.at("meshes")[0].contains("extras"));
-  EXPECT_EQ(read_hierarchy(files.folder).levels.size(), 3u);
+  const LodHierarchy back = read_hierarchy(files.folder);
+  ASSERT_EQ(back.levels.size(), 3u);
+  EXPECT_FALSE(back.levels[0].maps.has_value());
+  for (std::size_t i = 1; i < 3; ++i) {
+    const BakedMaps &written = *h.levels[i].maps, &read = back.levels[i].maps.value();
+    EXPECT_EQ(read.size, written.size);
+    EXPECT_EQ(read.displacement, written.displacement);
+    EXPECT_EQ(read.height_scale, written.height_scale);
+    EXPECT_EQ(read.height_offset, written.height_offset);
+    EXPECT_EQ(read.normal, written.normal);
+    EXPECT_EQ(read.color.samples, written.color.samples);
+    EXPECT_EQ(read.surface.corner_uvs, written.surface.corner_uvs);
+    EXPECT_EQ(read.surface.corner_normals, written.surface.corner_normals);
+    EXPECT_EQ(read.corner_tangents, written.corner_tangents);
+    EXPECT_EQ(read.report.atlas_reason, written.report.atlas_reason);
+    EXPECT_EQ(dice_surface(read).positions, dice_surface(written).positions);
+  }
+  // Maps that don't fit are refused.
+  write_file_atomically(files.map_files[2].normal, encode_png(back.levels[1].maps->displacement));
+  EXPECT_THAT(test::error_text([&] { read_hierarchy(files.folder); }),
+              testing::HasSubstr("square map of 3 channels"));
 }
 
 TEST(LodHierarchy, FloatMapsLieBesideTheOthersAndAreNamed) {
