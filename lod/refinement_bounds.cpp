@@ -180,16 +180,20 @@ HierarchyBounds HierarchyBounder::run() {
     const Index kept = mesh_.splits[s].kept;
     bounds.starts[s] = kept == k_no_index || !level_.has_faces(kept) ? 1 : 0;
   }
+  Box3 box;
+  for (const Vec3& position : level_.state().positions()) box.extend(position);
+  if (!box.isEmpty()) bounds.origin = 0.5 * box.min() + 0.5 * box.max();
   bounds.splits.reserve(n);
   for (std::size_t s = 0; s < n; ++s) {
     const Sphere& sphere = spheres_[s];
     const Cone& cone = cones_[s];
     RefinementBounds& b = bounds.splits.emplace_back();
+    const Vec3 center = sphere.center - bounds.origin;
     for (int axis = 0; axis < 3; ++axis) {
-      b.center[axis] = static_cast<float>(sphere.center[axis]);
+      b.center[axis] = static_cast<float>(center[axis]);
       b.axis[axis] = static_cast<float>(cone.axis[axis]);
     }
-    const double moved = (sphere.center - Vec3(b.center[0], b.center[1], b.center[2])).norm();
+    const double moved = (center - Vec3(b.center[0], b.center[1], b.center[2])).norm();
     b.radius = static_cast<float>((std::max(sphere.radius, 0.0) + moved) * (1 + k_rounding));
     b.angle = static_cast<float>(cone.angle < 0 ? Cone::k_all : cone.angle + k_rounding);
     b.error = static_cast<float>(mesh_.level_errors[s]);

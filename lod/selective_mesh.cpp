@@ -47,8 +47,9 @@ using Vec3f = Eigen::Vector3f;
 /// A view's question to a split: how many pixels is the error, as a share of what may be seen?
 class PixelCriterion {
  public:
-  explicit PixelCriterion(const RefinementView& view)
-      : position_(view.position.cast<float>()),
+  /// `origin`: see `HierarchyBounds`.
+  PixelCriterion(const RefinementView& view, const Vec3& origin)
+      : position_((view.position - origin).cast<float>()),
         pixels_per_length_(static_cast<float>(1 / pixel_footprint(1, view.view))),
         front_pixels_(static_cast<float>(view.view.pixel_error)),
         back_pixels_(static_cast<float>(view.back_pixel_error.value_or(view.view.pixel_error))),
@@ -118,7 +119,7 @@ class SelectiveMesh::Impl {
   RefinementReport update(const RefinementView& view) {
     const auto start = Clock::now();
     check(view);
-    const PixelCriterion criterion(view);
+    const PixelCriterion criterion(view, graph_.origin());
     if (view.max_faces) {
       const auto share = [&](Index split) { return criterion.share(graph_.bounds(split)); };
       const FrontMoves moves = front_.adapt_within(graph_, share, 1, *view.max_faces);

@@ -72,6 +72,7 @@ class RefinedGraph {
   }
   std::size_t size() const { return faces_.faces().size(); }
 
+  const Vec3& origin() const { return bounds_.origin; }
   const RefinementBounds& bounds(Index split) const { return bounds_.splits[split]; }
   const std::vector<Index>& faces() const { return faces_.faces(); }
   const LinkedLevel& level() const { return level_; }

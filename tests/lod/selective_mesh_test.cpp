@@ -334,6 +334,24 @@ TEST(SelectiveMesh, IsFineInTheImageAndOnSilhouettesOnly) {
   EXPECT_GT(count(is_rim), selective.n_faces() / 2);
 }
 
+TEST(SelectiveMesh, SeesTheSameFarFromTheOriginAndAtAnyScale) {
+  const PolygonSoup soup = make_displaced_sphere(3000, true);
+  const auto faces = [&](const Vec3& offset, double scale) {
+    PolygonSoup moved = soup;
+    for (Vec3& p : moved.positions) p = offset + scale * p;
+    const ProgressiveMesh mesh = proved(moved);
+    RefinementView view;
+    view.position = offset + scale * Vec3(0, 0.3, 1.6);
+    view.target = offset + scale * Vec3(0.3, 0, 0);
+    return static_cast<double>(SelectiveMesh(mesh).update(view).faces);
+  };
+  const double here = faces(Vec3::Zero(), 1);
+  // Positions at the offset are rounded by 1e-9, which changes a few collapses.
+  EXPECT_NEAR(faces({1e6, -2e6, 3e6}, 1), here, 0.02 * here);
+  EXPECT_NEAR(faces(Vec3::Zero(), 1e9), here, 0.02 * here);
+  EXPECT_NEAR(faces(Vec3::Zero(), 1e-9), here, 0.02 * here);
+}
+
 TEST(SelectiveMesh, KeepsABudgetOfFaces) {
   const ProgressiveMesh mesh = proved(make_displaced_sphere(6000, true));
   SelectiveMesh selective(mesh);
