@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._recede import (
+    Atlas,
     BakedMaps,
     BakeResult,
     Cancelled,
@@ -47,11 +48,11 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph",
-    "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "ProgressiveMesh",
-    "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps", "build_progressive",
-    "compare", "diff", "make_displaced_sphere", "make_teapot", "read", "read_image", "render", "set_threads", "simplify",
-    "simplify_levels", "write", "write_image",
+    "Atlas", "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "ImageDifference",
+    "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError",
+    "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps",
+    "build_progressive", "compare", "diff", "make_atlas", "make_displaced_sphere", "make_teapot", "read",
+    "read_image", "render", "set_threads", "simplify", "simplify_levels", "write", "write_image",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -350,6 +351,22 @@ def build_progressive(mesh: Mesh, *, faces: int | None = None, vertices: int | N
     target = {"faces": faces, "vertices": vertices, "ratio": ratio}
     compiled = _recede.build_progressive(mesh, {**settings, **target}, feature_angle, progress)
     return ProgressiveMesh(compiled)
+
+
+def make_atlas(mesh: Mesh, *, charts: int | None = None, bend_limit: float | None = None, compactness: float = 1,
+               straighten: bool = True, keep_materials: bool = True, keep_uv_seams: bool = False,
+               stretch_limit: float = 1.25, scale_by_stretch: bool = False, map_size: int = 1024, gutter: int = 4,
+               progress: Progress | None = None) -> Atlas:
+    """Cuts a surface into charts and gives it one-to-one texture coordinates.
+
+    `charts` merges until so many are left; `bend_limit` is how far a chart may bend (0 flat, 0.5 a hemisphere; 0.2 when
+    neither is set). Charts whose L2 stretch is above `stretch_limit` are cut. `map_size` and `gutter` are texels. The
+    result has `mesh`, whose vertices at one place are merged, and `face_charts`, the chart of each of its faces.
+    """
+    options = {"charts": charts, "bend_limit": bend_limit, "compactness": compactness, "straighten": straighten,
+               "keep_materials": keep_materials, "keep_uv_seams": keep_uv_seams, "stretch_limit": stretch_limit,
+               "scale_by_stretch": scale_by_stretch, "map_size": map_size, "gutter": gutter}
+    return _recede.make_atlas(mesh, options, progress)
 
 
 def render(mesh: Mesh, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,

@@ -10,8 +10,8 @@ using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
-                         testing::Values("bake", "simplify", "compare", "diff", "info", "progressive",
-                                         "extract", "render", "turntable"),
+                         testing::Values("atlas", "bake", "simplify", "compare", "diff", "info",
+                                         "progressive", "extract", "render", "turntable"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -35,9 +35,10 @@ TEST_P(EveryCommand, AsksForItsArguments) {
 TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.output, AllOf(HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
-                                HasSubstr("diff"), HasSubstr("info"), HasSubstr("progressive"),
-                                HasSubstr("extract"), HasSubstr("render"), HasSubstr("turntable")));
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("atlas"), HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
+                    HasSubstr("diff"), HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract"),
+                    HasSubstr("render"), HasSubstr("turntable")));
 }
 
 TEST(Usage, PrintsTheVersion) {

@@ -367,6 +367,20 @@ def test_every_function_says_what_it_does():
             assert item.__doc__ and len(item.__doc__) > 40, name
 
 
+def test_an_atlas_is_one_to_one(sphere):
+    atlas = recede.make_atlas(sphere, map_size=256)
+    assert atlas.flipped == 0 and atlas.map_size == 256 and atlas.stretch_l2 >= 1
+    assert len(atlas.face_charts) == atlas.mesh.n_faces == sphere.n_faces
+    assert atlas.n_charts == atlas.face_charts.max() + 1
+    uvs = atlas.mesh.corner_uvs.reshape(-1, 3, 2)
+    a, b = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
+    area = np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    assert 0.2 < area < 1
+    assert recede.make_atlas(sphere, bend_limit=0.02).n_charts > atlas.n_charts
+    with pytest.raises(recede.OptionError):
+        recede.make_atlas(sphere, map_size=0)
+
+
 def test_a_picture_shows_the_mesh(sphere):
     picture = recede.render(sphere, image_width=40, image_height=30, samples=4)
     assert picture.shape == (30, 40, 3) and picture.dtype == np.float32
