@@ -334,6 +334,34 @@ TEST(SelectiveMesh, IsFineInTheImageAndOnSilhouettesOnly) {
   EXPECT_GT(count(is_rim), selective.n_faces() / 2);
 }
 
+class ViewsOfHardCases : public testing::TestWithParam<test::HardCase> {};
+
+TEST_P(ViewsOfHardCases, DependOnThemselvesAlone) {
+  if (!GetParam().refusal.empty()) return;
+  const PolygonSoup& soup = GetParam().soup;
+  ProgressiveOptions options = options_for(CostPolicy::volume, VertexPlacement::optimal);
+  options.simplify.drop_parts = true;
+  const ProgressiveMesh mesh = build_progressive_mesh(soup, options);
+  const Box3 box = bounding_box(soup);
+  const double size = box.isEmpty() || box.diagonal().norm() == 0 ? 1 : box.diagonal().norm();
+  const Vec3 middle = box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center());
+  SelectiveMesh walking(mesh);
+  std::mt19937 random(6);
+  for (int i = 0; i < 6; ++i) {
+    RefinementView view = random_view(random);
+    view.position = middle + size * view.position;
+    view.target = middle + 0.3 * size * view.target;
+    if (i % 2 == 1) view.back_pixel_error = 3 * view.view.pixel_error;
+    SelectiveMesh direct(mesh);
+    const RefinementReport report = direct.update(view);
+    EXPECT_EQ(walking.update(view).faces, report.faces);
+    expect_same_bits(walking.soup(), direct.soup());
+    EXPECT_FALSE(std::isnan(report.pixel_error));
+    validate(direct.soup(), "view");
+  }
+}
+INSTANTIATE_TEST_SUITE_P(All, ViewsOfHardCases, testing::ValuesIn(test::hard_cases()), test::case_name);
+
 TEST(SelectiveMesh, SeesTheSameFarFromTheOriginAndAtAnyScale) {
   const PolygonSoup soup = make_displaced_sphere(3000, true);
   const auto faces = [&](const Vec3& offset, double scale) {
