@@ -6,10 +6,12 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace recede::detail {
 namespace {
@@ -269,6 +271,8 @@ std::vector<double> ErrorProver::run(Progress* progress) {
   std::vector<FaceTriangle> made;
   std::vector<std::size_t> splits;  // of the triangles made
   double largest_made = 0, at_block_start = 0;
+  // One block's faces are measured while the next block is taken back.
+  tbb::task_group measuring;
   std::size_t block = k_first_block, block_end = n - std::min(block, n);
   for (std::size_t split = n; split-- > 0;) {
     take_back(split);
@@ -279,13 +283,17 @@ std::vector<double> ErrorProver::run(Progress* progress) {
     }
     if (split > block_end) continue;
     report_progress(progress, "prove", 1 - static_cast<double>(split) / static_cast<double>(n));
-    largest_made = measure_block(made, of_split, splits, std::max(largest_made, at_block_start));
+    measuring.wait();
+    const double known = std::max(largest_made, at_block_start);
+    measuring.run([this, known, &of_split, &largest_made, faces = std::exchange(made, {}),
+                   numbers = std::exchange(splits, {})] {
+      largest_made = measure_block(faces, of_split, numbers, known);
+    });
     at_block_start = largest_;
     block = std::min(2 * block, k_largest_block);
     block_end = split - std::min(block, split);
-    made.clear();
-    splits.clear();
   }
+  measuring.wait();
   for (std::size_t split = n; split-- > 0;) {
     errors[split] = std::max({errors[split], errors[split + 1], of_split[split]});
   }
