@@ -227,6 +227,27 @@ TEST(ProgressiveMesh, RefusesWhatIsOutOfRange) {
                OptionError);
 }
 
+class CancelInStage final : public Progress {
+ public:
+  CancelInStage(std::string stage, int report) : stage_(std::move(stage)), reports_left_(report) {}
+  void update(std::string_view stage, double) override {
+    if (stage == stage_) --reports_left_;
+  }
+  bool cancel_requested() const override { return reports_left_ < 0; }
+
+ private:
+  std::string stage_;
+  int reports_left_;
+};
+
+TEST(ProgressiveMesh, CanBeCancelledWhileFacesAreMeasured) {
+  const PolygonSoup soup = make_displaced_sphere(4000, true);
+  for (const int report : {0, 1, 2}) {
+    CancelInStage progress("prove", report);
+    EXPECT_THROW(build_progressive_mesh(soup, {}, &progress), Cancelled) << report;
+  }
+}
+
 class ProgressiveModels : public testing::TestWithParam<test::DifferentModel> {
  protected:
   void SetUp() override {
