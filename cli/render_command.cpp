@@ -2,6 +2,7 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/lod_selection.h>
+#include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
 
@@ -10,6 +11,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -18,6 +20,8 @@ namespace {
 
 using Point = std::array<double, 3>;
 namespace fs = std::filesystem;
+
+enum class FalseColor { none, level, error };
 
 struct RenderCommandOptions {
   CommonOptions common;
@@ -30,6 +34,7 @@ struct RenderCommandOptions {
   double pixel_error = 1;
   int samples = 16;
   bool wireframe = false, flat = false, no_maps = false;
+  FalseColor false_color = FalseColor::none;
   // Of a turntable.
   int frames = 36;
   double turn = 360;  // degrees
@@ -75,10 +80,12 @@ class Drawn {
       SceneOptions shading;
       if (options_.flat) shading.crease_angle = 0;
       const LodLevel& drawn = hierarchy_.levels[level];
-      if (drawn.maps && !options_.no_maps)
-        scene.emplace(dice_surface(*drawn.maps), shading);
-      else
-        scene.emplace(drawn.mesh, shading);
+      PolygonSoup soup = drawn.maps && !options_.no_maps ? dice_surface(*drawn.maps) : to_soup(drawn.mesh);
+      if (options_.false_color == FalseColor::level)
+        paint(soup, [&](const Vec3&) { return level_share(level); });
+      if (options_.false_color == FalseColor::error)
+        paint(soup, [&](const Vec3& p) { return error_share(p); });
+      scene.emplace(soup, shading);
     }
     RenderOptions rendering;
     rendering.samples_per_pixel = options_.samples;
@@ -87,6 +94,25 @@ class Drawn {
   }
 
  private:
+  template <typename Share>
+  static void paint(PolygonSoup& soup, Share&& share_at) {
+    soup.materials.clear();
+    soup.face_materials.clear();
+    soup.vertex_colors.clear();
+    for (const Vec3& position : soup.positions) {
+      const Rgb color = heat_map_color(share_at(position));
+      soup.vertex_colors.emplace_back(color.x(), color.y(), color.z(), 1);
+    }
+  }
+  double level_share(std::size_t level) const {
+    return static_cast<double>(level) / static_cast<double>(std::max<std::size_t>(scenes_.size() - 1, 1));
+  }
+  /// Distance from the input over the coarsest level's bound.
+  double error_share(const Vec3& position) const {
+    const double most = hierarchy_.levels.back().error.bound;
+    return surface_ && most > 0 ? std::sqrt(surface_->closest(position).squared_distance) / most : 0;
+  }
+
   const RenderCommandOptions& options_;
   LodHierarchy hierarchy_;
   PolygonSoup finest_;
@@ -224,6 +250,15 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->group(drawing);
   command.add_flag("--wireframe", options.wireframe, "lines along the sides of polygons")->group(drawing);
   command.add_flag("--no-maps", options.no_maps, "bare levels, without their displacement and normal maps")
+      ->group(drawing);
+  command
+      .add_option(
+          "--false-color", options.false_color,
+          "level: dark is the finest; error: distances of vertices from the input, dark is none, light "
+          "the coarsest level's bound")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, FalseColor>{{"level", FalseColor::level}, {"error", FalseColor::error}}))
+      ->option_text("level|error")
       ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
 }

@@ -65,6 +65,26 @@ TEST(RenderCommand, DrawsMeshesAndBuiltInModels) {
   EXPECT_EQ(size_of(folder / "t.png"), (std::pair<unsigned, unsigned>(50, 600)));
 }
 
+TEST(RenderCommand, ShowsErrorsAndLevelsAsColours) {
+  const TempFolder folder;
+  const std::string hierarchy = bake_sphere(folder);
+  const auto middle = [&](const char* color, const char* level) {
+    const auto run =
+        run_recede({"render", hierarchy, "-o", folder / "a.png", "--image-width", "21", "--image-height",
+                    "21", "--level", level, "--false-color", color, "--samples", "4"});
+    EXPECT_EQ(run.code, 0) << run.remarks;
+    const Raster picture = read_png(folder / "a.png");
+    return picture.at(10, 10, 0) + picture.at(10, 10, 1) + picture.at(10, 10, 2);
+  };
+  EXPECT_LT(middle("level", "0"), middle("level", "1"));
+  EXPECT_LT(middle("level", "1"), middle("level", "2"));
+  EXPECT_LT(middle("error", "0"), 60) << "nothing differs from the input";
+  EXPECT_GT(middle("error", "2"), middle("error", "0"));
+  EXPECT_THAT(
+      complaint_of(run_recede({"render", hierarchy, "-o", folder / "b.png", "--false-color", "mood"}), 2),
+      HasSubstr("--false-color"));
+}
+
 TEST(RenderCommand, RefusesWhatItCannotDraw) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 100), out = folder / "a.png";
