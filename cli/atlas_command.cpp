@@ -66,14 +66,12 @@ void run(AtlasCommandOptions options) {
   TerminalProgress progress(options.common.quiet);
   options.atlas.charts.straighten = !options.no_straighten;
   options.atlas.charts.keep_materials = !options.ignore_materials;
-  const Model model = read_model(options.input, &progress);
-  require_faces(model, options.input);
-  PolygonSoup soup = to_soup(model.read.mesh);
+  PolygonSoup soup = read_unrepaired(options.input, &progress);
+  if (soup.n_faces() == 0) throw InputError::in_file(options.input, "holds no faces");
   merge_identical_vertices(soup);
   const AtlasResult atlas = make_atlas(soup, options.atlas, &progress);
   const WriteResult written = write_soup(options.output, atlas.soup);
   progress.clear();
-  print_repairs(model.read.report, options.common);
   for (const std::string& missing : written.written_without) {
     print_remark(fmt::format("{}: written without {}", options.output, missing), options.common);
   }

@@ -102,13 +102,6 @@ void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files,
   fmt::print("seconds    {:.3g}\n", seconds);
 }
 
-Vec3 up_direction(const BakeOptions& options) {
-  if (options.up == "x") return Vec3::UnitX();
-  // The built-in teapot stands upright along z, as its author made it.
-  if (options.up == "z" || (options.up.empty() && options.input == "teapot")) return Vec3::UnitZ();
-  return Vec3::UnitY();
-}
-
 std::optional<MapOptions> map_options(const BakeOptions& options) {
   if (options.maps.empty()) return {};
   const auto wanted = [&](const char* map) {
@@ -145,7 +138,8 @@ void run(BakeOptions options) {
   const HierarchyFiles files = write_hierarchy(options.output, hierarchy);
   std::optional<ReportFiles> report;
   if (!options.no_report) {
-    report = write_report(options.output, hierarchy, files, {.up = up_direction(options)}, &progress);
+    report = write_report(options.output, hierarchy, files, {.up = up_direction(options.up, options.input)},
+                          &progress);
   }
   progress.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -194,9 +188,7 @@ void add_bake_command(CLI::App& app) {
   command->add_option("--field-of-view", options->field_of_view, "vertical, degrees (45)")->group(view);
   command->add_option("--pixel-error", hierarchy.view.pixel_error, "error that a level may show, pixels (1)")
       ->group(view);
-  command->add_option("--up", options->up, "axis that points up in the pictures: x, y (default) or z")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->group(view);
+  add_up_option(*command, options->up, view);
   const auto maps = "Maps (from level 0 onto every other level)";
   command->add_option("--maps", options->maps, "normal, displacement and color, those that are wanted")
       ->delimiter(',')

@@ -32,6 +32,37 @@ Model read_model(const std::string& input, Progress* progress) {
   return {fs::path(input).stem().string(), read_mesh(input, progress)};
 }
 
+PolygonSoup read_unrepaired(const std::string& input, Progress* progress) {
+  if (fs::exists(input)) return read_soup(input, progress);
+  return to_soup(read_model(input, progress).read.mesh);
+}
+
+CLI::Option* add_view_options(CLI::App& command, ViewOptions& view, const std::string& group) {
+  CLI::Option* eye = command.add_option("--eye", view.eye, "where the camera stands, object units")
+                         ->option_text("X Y Z")
+                         ->group(group);
+  command.add_option("--look-at", view.look_at, "what it looks at (the middle of the model)")
+      ->option_text("X Y Z")
+      ->group(group);
+  add_up_option(command, view.up, group);
+  command.add_option("--field-of-view", view.field_of_view, "vertical, degrees (45)")->group(group);
+  return eye;
+}
+
+void add_up_option(CLI::App& command, std::string& up, const std::string& group) {
+  command.add_option("--up", up, "axis that points up in the pictures: x, y (default) or z")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->group(group);
+}
+
+Vec3 up_direction(const std::string& up, const std::string& input) {
+  if (up == "x") return Vec3::UnitX();
+  if (up == "z" || (up.empty() && input == "teapot" && !fs::exists(input))) return Vec3::UnitZ();
+  return Vec3::UnitY();
+}
+
+Vec3 to_vector(const std::array<double, 3>& point) { return {point[0], point[1], point[2]}; }
+
 void require_faces(const Model& model, const std::string& input) {
   if (model.read.mesh.n_faces() > 0) return;
   std::string reason = "holds no faces";

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +55,22 @@ CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
   };
   return {replace, "NAME"};
 }
+
+/// What the file holds, with nothing repaired; a built-in model else.
+PolygonSoup read_unrepaired(const std::string& input, Progress* progress);
+
+/// Where a camera stands and what it looks at.
+struct ViewOptions {
+  std::optional<std::array<double, 3>> eye, look_at;  ///< object units
+  std::string up;                                     ///< x, y or z; empty: see `up_direction`
+  double field_of_view = 45;                          ///< vertical, degrees
+};
+/// Adds `--eye`, which it returns, `--look-at`, `--up` and `--field-of-view`.
+CLI::Option* add_view_options(CLI::App& command, ViewOptions& view, const std::string& group);
+void add_up_option(CLI::App& command, std::string& up, const std::string& group);
+/// Unset: y, but z for the built-in teapot, which stands upright along it as its author made it.
+Vec3 up_direction(const std::string& up, const std::string& input);
+Vec3 to_vector(const std::array<double, 3>& point);
 
 /// How to simplify, without the target.
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle);

@@ -109,7 +109,7 @@ Json to_json(const Measures& measures, const Image& first, const DiffOptions& op
 }
 
 void run(const DiffOptions& options) {
-  if (!options.output.empty()) is_exr(options.output);  // refuses other extensions before the work
+  if (!options.output.empty()) check_image_path(options.output);
   const Inputs inputs = read_inputs(options);
   const auto start = std::chrono::steady_clock::now();
   const Measures measures = measure(inputs, options.flip);

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <numbers>
 
 namespace recede::cli {
@@ -29,20 +28,14 @@ struct LevelChoice {
   }
 };
 
-using Point = std::array<double, 3>;
-
 struct ExtractOptions {
   CommonOptions common;
   std::string input, output;
   LevelChoice level, morph;
-  std::optional<Point> eye;
-  Point look_at{0, 0, 0}, up{0, 1, 0};
+  ViewOptions camera;
   RefinementView view;
-  double field_of_view = 45;  // degrees
   bool no_cull = false;
 };
-
-Vec3 to_vector(const Point& point) { return {point[0], point[1], point[2]}; }
 
 Json common_json(const ExtractOptions& options, const ProgressiveMesh& mesh, const PolygonSoup& soup,
                  const WriteResult& written) {
@@ -110,12 +103,18 @@ void extract_morph(const ExtractOptions& options, const ProgressiveMesh& mesh) {
       });
 }
 
+Vec3 middle_of(const ProgressiveMesh& mesh) {
+  Box3 box;
+  for (const Vec3& position : mesh.positions) box.extend(position);
+  return box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center());
+}
+
 void extract_view(const ExtractOptions& options, const ProgressiveMesh& mesh) {
   RefinementView view = options.view;
-  view.position = to_vector(*options.eye);
-  view.target = to_vector(options.look_at);
-  view.up = to_vector(options.up);
-  view.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
+  view.position = to_vector(*options.camera.eye);
+  view.target = options.camera.look_at ? to_vector(*options.camera.look_at) : middle_of(mesh);
+  view.up = up_direction(options.camera.up, options.input);
+  view.view.field_of_view = options.camera.field_of_view * std::numbers::pi / 180;
   view.cull = !options.no_cull;
   SelectiveMesh selective(mesh);
   const RefinementReport report = selective.update(view);
@@ -132,7 +131,7 @@ void extract_view(const ExtractOptions& options, const ProgressiveMesh& mesh) {
 void run(const ExtractOptions& options) {
   check_mesh_path(options.output);
   const ProgressiveMesh mesh = read_pmesh(options.input);
-  if (options.eye) return extract_view(options, mesh);
+  if (options.camera.eye) return extract_view(options, mesh);
   if (options.morph.is_given()) return extract_morph(options, mesh);
   extract_level(options, mesh);
 }
@@ -155,18 +154,16 @@ void add_view(CLI::App& command, ExtractOptions& options, CLI::Option_group* lev
               CLI::Option_group* morph) {
   const auto group = "View (instead of a level: fine where it is seen)";
   RefinementView& view = options.view;
-  CLI::Option* eye = command.add_option("--eye", options.eye, "where the camera stands, object units")
-                         ->option_text("X Y Z")
-                         ->group(group);
+  CLI::Option* eye = add_view_options(command, options.camera, group);
+  for (CLI::Option* other : command.get_options([&](CLI::Option* o) { return o->get_group() == group; })) {
+    if (other != eye) other->needs(eye);
+  }
   for (CLI::Option_group* others : {level, morph}) {
     for (CLI::Option* other : others->get_options([](CLI::Option*) { return true; })) eye->excludes(other);
   }
   const auto add = [&](const char* name, auto& value, const char* help) {
-    return command.add_option(name, value, help)->needs(eye)->group(group);
+    command.add_option(name, value, help)->needs(eye)->group(group);
   };
-  add("--look-at", options.look_at, "what it looks at (0 0 0)")->option_text("X Y Z");
-  add("--up", options.up, "what points up in the image (0 1 0)")->option_text("X Y Z");
-  add("--field-of-view", options.field_of_view, "vertical, degrees (45)");
   add("--image-height", view.view.image_height, "pixels (1080)");
   add("--aspect-ratio", view.aspect_ratio, "width of the image over its height (1)");
   add("--pixel-error", view.view.pixel_error, "error that may be seen, pixels (1)");

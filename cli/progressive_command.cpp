@@ -21,8 +21,7 @@ struct ProgressiveCommandOptions {
 
 /// What the file holds, with nothing repaired: this is what the full level gives back.
 PolygonSoup read_input(const ProgressiveCommandOptions& options, Progress* progress) {
-  const bool is_file = std::filesystem::exists(options.input);
-  if (is_file && options.feature_angle == 0) return read_soup(options.input, progress);
+  if (options.feature_angle == 0) return read_unrepaired(options.input, progress);
   Model model = read_model(options.input, progress);
   mark_features(model.read.mesh, options.feature_angle);
   return to_soup(model.read.mesh);

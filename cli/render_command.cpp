@@ -8,30 +8,29 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
 namespace recede::cli {
 namespace {
 
-using Point = std::array<double, 3>;
 namespace fs = std::filesystem;
 
 enum class FalseColor { none, level, error };
+enum class ChooseBy { error, distance };
 
 struct RenderCommandOptions {
   CommonOptions common;
   std::string input, output;
-  std::optional<Point> eye, look_at;
-  Point up{0, 1, 0};
-  double field_of_view = 45;  // degrees
+  ViewOptions view;
   int width = 800, height = 600;
   std::optional<std::size_t> level;
+  ChooseBy level_rule = ChooseBy::error;
   double pixel_error = 1;
+  std::optional<double> distance_unit;
+  double near_limit = 0;
   int samples = 16;
   bool wireframe = false, flat = false, no_maps = false;
   FalseColor false_color = FalseColor::none;
@@ -40,8 +39,6 @@ struct RenderCommandOptions {
   double turn = 360;  // degrees
   std::optional<double> until_distance;
 };
-
-Vec3 to_vector(const Point& point) { return {point[0], point[1], point[2]}; }
 
 /// Levels that can be drawn: those of a hierarchy, or a mesh alone.
 class Drawn {
@@ -58,6 +55,9 @@ class Drawn {
     if (options.level && *options.level >= scenes_.size()) {
       throw OptionError(fmt::format("there is no level {}, only {}", *options.level, scenes_.size()));
     }
+    if (scenes_.size() == 1 && options.false_color != FalseColor::none) {
+      throw OptionError(options.input + " has one level, and nothing to show by false colours");
+    }
     finest_ = to_soup(hierarchy_.levels[0].mesh);
     if (scenes_.size() > 1) surface_.emplace(finest_.positions, triangulate(finest_));
   }
@@ -70,6 +70,12 @@ class Drawn {
     if (options_.level) return *options_.level;
     if (!surface_) return 0;
     const double distance = std::sqrt(surface_->closest(camera.position).squared_distance);
+    if (options_.level_rule == ChooseBy::distance) {
+      const double to_sphere = (camera.position - hierarchy_.center).norm() - hierarchy_.radius;
+      return level_by_distance(
+          hierarchy_, to_sphere, distance,
+          {.unit = options_.distance_unit.value_or(hierarchy_.radius), .near_limit = options_.near_limit});
+    }
     const ViewSettings view{static_cast<double>(camera.height), camera.field_of_view, options_.pixel_error};
     return level_by_error(hierarchy_, distance, {.view = view, .current = before});
   }
@@ -122,14 +128,14 @@ class Drawn {
 
 /// Where it was asked to stand, or where the whole model is seen from in front.
 Camera camera_of(const RenderCommandOptions& options, const PolygonSoup& model) {
-  const double field_of_view = options.field_of_view * std::numbers::pi / 180;
-  Camera camera =
-      camera_in_front(model.positions, to_vector(options.up), field_of_view, options.width, options.height);
-  if (options.eye) {
-    camera.position = to_vector(*options.eye);
+  const ViewOptions& view = options.view;
+  Camera camera = camera_in_front(model.positions, up_direction(view.up, options.input),
+                                  view.field_of_view * std::numbers::pi / 180, options.width, options.height);
+  if (view.eye) {
+    camera.position = to_vector(*view.eye);
     camera.target = bounding_box(model).center();
   }
-  if (options.look_at) camera.target = to_vector(*options.look_at);
+  if (view.look_at) camera.target = to_vector(*view.look_at);
   return camera;
 }
 
@@ -148,7 +154,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 void run_render(const RenderCommandOptions& options) {
-  is_exr(options.output);  // refuses other extensions before the work
+  check_image_path(options.output);
   const auto start = std::chrono::steady_clock::now();
   TerminalProgress progress(options.common.quiet);
   Drawn drawn(options, &progress);
@@ -220,16 +226,7 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
                   "mesh file, built-in model (teapot, sphere), or a hierarchy's folder NAME.recede")
       ->required();
   const auto view = "View (default: the whole model from in front)";
-  command.add_option("--eye", options.eye, "where the camera stands, object units")
-      ->option_text("X Y Z")
-      ->group(view);
-  command.add_option("--look-at", options.look_at, "what it looks at (the middle of the model)")
-      ->option_text("X Y Z")
-      ->group(view);
-  command.add_option("--up", options.up, "what points up in the image (0 1 0)")
-      ->option_text("X Y Z")
-      ->group(view);
-  command.add_option("--field-of-view", options.field_of_view, "vertical, degrees (45)")->group(view);
+  add_view_options(command, options.view, view);
   command.add_option("--image-width", options.width, "pixels (800)")
       ->check(CLI::Range(1, 32768))
       ->group(view);
@@ -244,6 +241,25 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->check(CLI::PositiveNumber)
       ->excludes(fixed)
       ->group(level);
+  command
+      .add_option(
+          "--level-rule", options.level_rule,
+          "error: by the certified error in pixels (default); distance: by the share of the faces alone")
+      ->transform(one_of<ChooseBy>({{"error", ChooseBy::error}, {"distance", ChooseBy::distance}}))
+      ->option_text("error|distance")
+      ->excludes(fixed)
+      ->group(level);
+  command
+      .add_option("--distance-unit", options.distance_unit,
+                  "of the rule by distance, object units (the radius of the bounding sphere)")
+      ->check(CLI::PositiveNumber)
+      ->group(level);
+  command
+      .add_option(
+          "--near-limit", options.near_limit,
+          "the rule by distance takes the coarsest level nearer than this to the surface, in its unit (0)")
+      ->check(CLI::NonNegativeNumber)
+      ->group(level);
   const auto drawing = "Drawing";
   command.add_option("--samples", options.samples, "rays for each pixel (16)")
       ->check(CLI::Range(1, 1024))
@@ -256,8 +272,7 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
           "--false-color", options.false_color,
           "level: dark is the finest; error: distances of vertices from the input, dark is none, light "
           "the coarsest level's bound")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, FalseColor>{{"level", FalseColor::level}, {"error", FalseColor::error}}))
+      ->transform(one_of<FalseColor>({{"level", FalseColor::level}, {"error", FalseColor::error}}))
       ->option_text("level|error")
       ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);

@@ -379,6 +379,8 @@ GltfBuilder single_mesh(const std::filesystem::path& path, const PolygonSoup& so
   return builder;
 }
 
+}  // namespace
+
 std::vector<std::string> left_out_of_gltf(const PolygonSoup& soup) {
   std::vector<std::string> result =
       left_out(soup, {.polygons = false, .isolated_vertices = false, .feature_edges = false});
@@ -396,8 +398,6 @@ std::vector<std::string> left_out_of_gltf(const PolygonSoup& soup) {
   if (loses_digits_as_float(soup)) result.emplace_back(k_rounded_positions);
   return result;
 }
-
-}  // namespace
 
 OutputFile format_glb(const std::filesystem::path& path, const PolygonSoup& soup, const WriteOptions&) {
   return {single_mesh(path, soup).to_glb(), {}, left_out_of_gltf(soup)};

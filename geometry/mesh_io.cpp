@@ -61,10 +61,7 @@ PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* p
 
 void check_mesh_path(const fs::path& path) {
   format_of(path);
-  if (fs::is_directory(path)) throw InputError::in_file(path.string(), "is a folder");
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder))
-    throw InputError::in_file(path.string(), "there is no folder " + folder.string());
+  detail::check_place(path);
 }
 
 PolygonSoup read_soup(const fs::path& path, Progress* progress) {

@@ -1,4 +1,5 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/gltf_writer.h>
 #include <recede/lod/geomorph.h>
@@ -12,13 +13,12 @@ namespace {
 constexpr std::size_t k_largest_float_index = 1u << 24;
 
 WriteResult write_gltf(const std::filesystem::path& path, const Geomorph& morph, bool is_binary) {
-  WriteResult result;
+  WriteResult result{.written_without = detail::left_out_of_gltf(morph.fine)};
   GltfMeshExtras extras{.morph_target = &morph.coarse, .morph_name = "coarse"};
   if (morph.parents.size() <= k_largest_float_index)
     extras.parents = morph.parents;
   else
     result.written_without.emplace_back("parents (floats don't tell so many vertices apart)");
-  if (!morph.fine.vertex_scalars.empty()) result.written_without.emplace_back("scalars of the vertices");
   GltfBuilder builder;
   const std::string name = path.stem().string();
   try {
@@ -45,13 +45,21 @@ WriteResult write_ply(const std::filesystem::path& path, const Geomorph& morph) 
   add("coarse_x", [&](std::size_t v) { return morph.coarse.positions[v].x(); });
   add("coarse_y", [&](std::size_t v) { return morph.coarse.positions[v].y(); });
   add("coarse_z", [&](std::size_t v) { return morph.coarse.positions[v].z(); });
-  return write_soup(path, soup);
+  WriteResult result = write_soup(path, soup);
+  const auto leave_out = [&](const auto& fine, const auto& coarse, const char* what) {
+    if (fine != coarse) result.written_without.push_back(std::string("the coarse level's ") + what);
+  };
+  leave_out(morph.fine.corner_uvs, morph.coarse.corner_uvs, "texture coordinates");
+  leave_out(morph.fine.corner_normals, morph.coarse.corner_normals, "normals");
+  leave_out(morph.fine.vertex_colors, morph.coarse.vertex_colors, "colours");
+  leave_out(morph.fine.vertex_scalars, morph.coarse.vertex_scalars, "scalars");
+  return result;
 }
 
 }  // namespace
 
 WriteResult write_geomorph(const std::filesystem::path& path, const Geomorph& morph) {
-  const std::string extension = path.extension().string();
+  const std::string extension = detail::lower_case_extension(path);
   if (extension == ".glb" || extension == ".gltf") return write_gltf(path, morph, extension == ".glb");
   if (extension == ".ply") return write_ply(path, morph);
   throw InputError::in_file(path.string(), "a geomorph is written as .glb, .gltf or .ply");

@@ -9,23 +9,22 @@ namespace recede {
 
 struct LevelByErrorOptions {
   ViewSettings view;
-  /// The level that is shown now, and the share of the limit by which a change must pay: a coarser level is
-  /// taken when its error is below (1 - hysteresis) of it. So nothing flickers at a limit.
+  /// The level that is shown now. One that is coarser must stay below (1 - hysteresis) of the error in
+  /// pixels, so that nothing flickers at a limit.
   std::optional<std::size_t> current{};
   double hysteresis = 0.1;
 };
 
 /// The coarsest level whose certified bound covers at most `view.pixel_error` pixels at `distance` (to the
-/// nearest point of the surface, object units). 0 or less: the finest. Throws `OptionError` for a hysteresis
+/// nearest point of the surface, object units), or the finest. Throws `OptionError` for a hysteresis
 /// outside 0 to 1 or numbers of the view that aren't positive, and `InputError` without levels.
 std::size_t level_by_error(const LodHierarchy& hierarchy, double distance,
                            const LevelByErrorOptions& options = {});
 
-/// Distances are in units of `unit`, at which the input fills the picture.
 struct LevelByDistanceOptions {
-  double unit = 1;  ///< object units
-  /// Nearer than this to the surface only a few polygons are seen, whose shape doesn't matter: the coarsest
-  /// level, which needs displacement or a normal map to look right. 0: never.
+  double unit = 1;  ///< of the distances in the rule, object units
+  /// In that unit. Nearer than this to the surface only a few polygons are seen, whose shape doesn't matter:
+  /// the coarsest level, which needs displacement or a normal map to look right. 0: never.
   double near_limit = 0;
 };
 

@@ -31,7 +31,9 @@ struct RefinementReport {
   std::size_t splits = 0;  ///< applied
   std::size_t forced = 0;  ///< those of them that only others needed
   std::size_t merges = 0;  ///< splits taken back
-  double pixel_error = 0;  ///< largest that is left in the image, pixels
+  /// No error that is left in the image is larger, pixels; with `max_faces` it is the largest. Infinite:
+  /// detail is missing around the camera. 0 for updates by an error everywhere.
+  double pixel_error = 0;
   double seconds = 0;
 };
 
@@ -40,7 +42,7 @@ struct RefinementReport {
 /// The error in pixels of a split that isn't applied is `ProgressiveMesh::level_errors` without it over the
 /// length that a pixel covers (`pixel_footprint`) at the nearest point of a sphere around all faces that it
 /// and the splits below it touch. Every face is one of some level whose error in pixels is at most that: with
-/// proved errors, nothing that is drawn lies farther from the input than the view permits.
+/// proved errors, nothing in the image lies farther from the input than `RefinementReport::pixel_error` says.
 class SelectiveMesh {
  public:
   /// Stands at the base. `mesh` must live as long and stay as it is.

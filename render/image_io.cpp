@@ -86,6 +86,11 @@ Image read_image(const std::filesystem::path& path) {
   return decode_image(read_whole_file(path), path.string());
 }
 
+void check_image_path(const std::filesystem::path& path) {
+  is_exr(path);
+  detail::check_place(path);
+}
+
 bool is_exr(const std::filesystem::path& path) {
   const std::string extension = detail::lower_case_extension(path);
   if (extension != ".png" && extension != ".exr")

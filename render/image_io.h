@@ -28,7 +28,12 @@ Image read_image(const std::filesystem::path& path);
 /// when the file can't be written.
 void write_image(const std::filesystem::path& path, const Image& image);
 
-/// Throws what `write_image` throws for extensions that it doesn't know. True for `.exr`.
+/// Throws `InputError` when `path` can't become a picture: unknown extension, a folder of that name, or no
+/// folder to be in. For programs that work long before they write.
+void check_image_path(const std::filesystem::path& path);
+
+/// Whether `write_image` makes an OpenEXR file of that name. Throws `InputError` for extensions that it
+/// doesn't know.
 bool is_exr(const std::filesystem::path& path);
 
 }  // namespace recede

@@ -27,6 +27,13 @@ void ReadProgress::report(std::size_t offset) {
   report_progress(file_.progress, "read", std::min(1.0, static_cast<double>(offset) / size));
 }
 
+void check_place(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) throw InputError::in_file(path.string(), "is a folder");
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder))
+    throw InputError::in_file(path.string(), "there is no folder " + folder.string());
+}
+
 std::string lower_case_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -41,6 +41,9 @@ class ReadProgress {
   std::size_t next_ = 0;
 };
 
+/// Throws `InputError` when `path` is a folder, or has no folder to be in.
+void check_place(const std::filesystem::path& path);
+
 /// The extension with its dot, `.PNG` as `.png`.
 std::string lower_case_extension(const std::filesystem::path& path);
 
@@ -88,6 +91,9 @@ struct FormatAbility {
 
 /// One phrase for each thing that `soup` has and the format can't hold.
 std::vector<std::string> left_out(const PolygonSoup& soup, const FormatAbility& ability);
+
+/// The same for glTF.
+std::vector<std::string> left_out_of_gltf(const PolygonSoup& soup);
 
 /// `value` as the float that a 32-bit file holds. Throws `InputError` when it exceeds the range of floats.
 float to_float(double value);

@@ -29,7 +29,7 @@ class LinkedLevel {
       if (state_.is_corner_alive(c)) visit(c);
     }
   }
-  /// Visits the faces that a split brings back.
+  /// The faces that a split brings back.
   std::span<const Index> faces_of(std::size_t split) const {
     return mesh_->items_of(split).subspan(mesh_->splits[split].n_corners, mesh_->splits[split].n_faces);
   }

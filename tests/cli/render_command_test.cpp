@@ -58,9 +58,8 @@ TEST(RenderCommand, DrawsTheLevelThatTheViewNeeds) {
 
 TEST(RenderCommand, DrawsMeshesAndBuiltInModels) {
   const TempFolder folder;
-  const json result =
-      json_of(run_recede({"render", "teapot", "-o", folder / "t.png", "--up", "0", "0", "1", "--flat",
-                          "--wireframe", "--samples", "1", "--image-width", "50", "--json"}));
+  const json result = json_of(run_recede({"render", "teapot", "-o", folder / "t.png", "--flat", "--wireframe",
+                                          "--samples", "1", "--image-width", "50", "--json"}));
   EXPECT_EQ(result.at("level"), 0);
   EXPECT_EQ(size_of(folder / "t.png"), (std::pair<unsigned, unsigned>(50, 600)));
 }
@@ -85,6 +84,58 @@ TEST(RenderCommand, ShowsErrorsAndLevelsAsColours) {
       HasSubstr("--false-color"));
 }
 
+TEST(RenderCommand, ChoosesLevelsByTheShareOfTheirFaces) {
+  const TempFolder folder;
+  const std::string hierarchy = bake_sphere(folder);  // 30 and 5 % of the faces
+  const auto level = [&](const char* distance, const char* near_limit = "0") {
+    return json_of(run_recede({"render",
+                               hierarchy,
+                               "-o",
+                               folder / "a.png",
+                               "--image-width",
+                               "8",
+                               "--image-height",
+                               "8",
+                               "--samples",
+                               "1",
+                               "--level-rule",
+                               "distance",
+                               "--distance-unit",
+                               "1",
+                               "--near-limit",
+                               near_limit,
+                               "--eye",
+                               "0",
+                               "0",
+                               distance,
+                               "--look-at",
+                               "0",
+                               "0",
+                               "0",
+                               "--json"}))
+        .at("level")
+        .get<int>();
+  };
+  // Distances count from the bounding sphere, whose radius is some 1.1.
+  EXPECT_EQ(level("3"), 0);
+  EXPECT_EQ(level("8"), 1);
+  EXPECT_EQ(level("30"), 2);
+  EXPECT_EQ(level("1.2", "1"), 2);
+}
+
+TEST(RenderCommand, SetsTheTeapotUpright) {
+  const TempFolder folder;
+  const auto eye = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"render", "teapot",        "-o", folder / "t.png", "--samples",
+                                       "1",      "--image-width", "8",  "--image-height", "8",
+                                       "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return json_of(run_recede(arguments)).at("eye");
+  };
+  EXPECT_EQ(eye({}), eye({"--up", "z"}));
+  EXPECT_NE(eye({}), eye({"--up", "y"}));
+}
+
 TEST(RenderCommand, RefusesWhatItCannotDraw) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 100), out = folder / "a.png";
@@ -99,6 +150,10 @@ TEST(RenderCommand, RefusesWhatItCannotDraw) {
       HasSubstr("apart"));
   EXPECT_THAT(complaint_of(run_recede({"render", folder / "nothing.recede", "-o", out}), 1),
               HasSubstr("nothing"));
+  EXPECT_THAT(complaint_of(run_recede({"render", sphere, "-o", out, "--false-color", "error"}), 2),
+              HasSubstr("one level"));
+  EXPECT_THAT(complaint_of(run_recede({"render", sphere, "-o", folder / "no" / "a.png"}), 1),
+              HasSubstr("no folder"));
   EXPECT_THAT(complaint_of(run_recede({"turntable", sphere, "-o", sphere}), 1), HasSubstr("isn't a folder"));
   EXPECT_FALSE(std::filesystem::exists(out));
 }
@@ -142,7 +197,7 @@ TEST(TurntableCommand, GoesAwayOverTheLevels) {
       EXPECT_GE(frames[i].at("level"), frames[i - 1].at("level"));
     }
   }
-  // Five sixths of the turn are done, and the distance is exact.
+  // Five sixths of the turn are done; what is left is rounding of products and of a power.
   const json& eye = frames.back().at("eye");
   const Vec3 at(eye[0], eye[1], eye[2]);
   EXPECT_NEAR(at.norm(), 1000, 1e-9);

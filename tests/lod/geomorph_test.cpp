@@ -3,10 +3,12 @@
 #include "meshes.h"
 #include "progressive.h"
 #include "soups.h"
+#include "temp_folder.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/lod/geomorph.h>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <random>
@@ -126,6 +128,27 @@ TEST(Geomorph, BlendsAttributes) {
     }
   }
   EXPECT_GT(n_moved, 0u);
+}
+
+TEST(Geomorph, FilesSayWhatTheyLeaveOut) {
+  const test::TempFolder folder;
+  PolygonSoup soup = test::grid(6);
+  for (const Index v : soup.corner_vertices) soup.corner_uvs.push_back(soup.positions[v].head<2>());
+  const ProgressiveMesh mesh =
+      build_progressive_mesh(soup, options_for(CostPolicy::volume, VertexPlacement::half_edge));
+  const Geomorph morph = make_geomorph(mesh, 0, mesh.n_splits());
+  ASSERT_NE(morph.fine.corner_uvs, morph.coarse.corner_uvs);
+  EXPECT_THAT(write_geomorph(folder / "a.ply", morph).written_without,
+              testing::ElementsAre("the coarse level's texture coordinates"));
+  EXPECT_THAT(write_geomorph(folder / "A.GLB", morph).written_without,
+              testing::Contains(testing::HasSubstr("more than three corners")));
+  EXPECT_THROW(write_geomorph(folder / "a.stl", morph), InputError);
+  const PolygonSoup back = read_soup(folder / "a.ply");
+  ASSERT_EQ(back.vertex_scalars.size(), 4u);
+  for (std::size_t v = 0; v < back.positions.size(); ++v) {
+    EXPECT_EQ(back.vertex_scalars[0].values[v], morph.parents[v]);
+    EXPECT_EQ(back.vertex_scalars[1].values[v], morph.coarse.positions[v].x());
+  }
 }
 
 TEST(Geomorph, RefusesWhatIsOutOfRange) {

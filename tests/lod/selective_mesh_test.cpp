@@ -396,10 +396,11 @@ TEST(SelectiveMesh, KeepsABudgetOfFaces) {
     if (budget > free.faces) {
       EXPECT_EQ(report.faces, free.faces);
     } else if (budget > 0) {
-      EXPECT_GT(report.faces, budget * 9 / 10);
-      // Not much worse than the whole surface with as many faces, at the distance of its nearest point.
+      EXPECT_GT(report.faces, budget * 9 / 10) << "it is used";
+      // The whole surface with as many faces would show this at its nearest point, one unit away. A view
+      // leaves the far side and what is outside the image coarse: 0.6 of it was measured.
       const double level_error = mesh.level_errors[mesh.level_for_faces(report.faces)];
-      EXPECT_LT(report.pixel_error, 1.5 * level_error / pixel_footprint(1, view.view));
+      EXPECT_LT(report.pixel_error, 0.8 * level_error / pixel_footprint(1, view.view));
     }
     before = report.pixel_error;
   }
