@@ -11,8 +11,9 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <deque>
 #include <limits>
-#include <unordered_map>
+#include <unordered_set>
 
 namespace recede {
 
@@ -24,51 +25,92 @@ constexpr int k_float = 5126;
 constexpr int k_vertex_data = 34962;
 constexpr int k_index_data = 34963;
 
-// A vertex as the file has it; two corners with the same floats share one.
-struct FileVertex {
-  std::array<float, 29> values{};  // position, normal, uv, colour, tangent; what a target adds; parent
-  bool operator==(const FileVertex& other) const {
-    return std::memcmp(values.data(), other.values.data(), sizeof values) == 0;
-  }
-};
-
-struct FileVertexHash {
-  std::size_t operator()(const FileVertex& vertex) const {
-    std::uint64_t hash = 0;
-    for (const float value : vertex.values) {
-      hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 29;
-    }
-    return hash;
-  }
-};
-
 struct Attribute {
   const char* name;
   const char* type;
-  std::size_t first, size;  // among the values of a `FileVertex`
+  std::size_t size;  // floats
 };
-constexpr Attribute k_position{"POSITION", "VEC3", 0, 3};
-constexpr Attribute k_normal{"NORMAL", "VEC3", 3, 3};
-constexpr Attribute k_uv{"TEXCOORD_0", "VEC2", 6, 2};
-constexpr Attribute k_color{"COLOR_0", "VEC4", 8, 4};
-constexpr Attribute k_tangent{"TANGENT", "VEC4", 12, 4};
-constexpr Attribute k_morph_position{"POSITION", "VEC3", 16, 3};
-constexpr Attribute k_morph_normal{"NORMAL", "VEC3", 19, 3};
-constexpr Attribute k_morph_uv{"TEXCOORD_0", "VEC2", 22, 2};
-constexpr Attribute k_morph_color{"COLOR_0", "VEC4", 24, 4};
-constexpr Attribute k_parent{"_PARENT", "SCALAR", 28, 1};
+constexpr Attribute k_position{"POSITION", "VEC3", 3};
+constexpr Attribute k_normal{"NORMAL", "VEC3", 3};
+constexpr Attribute k_uv{"TEXCOORD_0", "VEC2", 2};
+constexpr Attribute k_color{"COLOR_0", "VEC4", 4};
+constexpr Attribute k_tangent{"TANGENT", "VEC4", 4};
+constexpr Attribute k_parent{"_PARENT", "SCALAR", 1};
 
-struct Primitive {
-  std::vector<FileVertex> vertices;
-  std::vector<std::uint32_t> indices;
-  std::unordered_map<FileVertex, std::uint32_t, FileVertexHash> numbers;
+// An attribute of a mesh, or what a morph target adds to it.
+struct Placed {
+  Attribute attribute;
+  std::size_t first;  // among the floats of a vertex
+  bool in_target;
+};
 
-  void add_corner(const FileVertex& vertex) {
-    const auto [found, inserted] = numbers.try_emplace(vertex, static_cast<std::uint32_t>(vertices.size()));
-    if (inserted) vertices.push_back(vertex);
-    indices.push_back(found->second);
+// The floats of a vertex: those of its attributes, one after the other.
+struct Layout {
+  std::vector<Placed> attributes;
+  std::size_t size = 0;
+
+  Layout(const PolygonSoup& soup, const GltfMeshExtras& extras) {
+    const auto add = [this](bool is_there, const Attribute& attribute, bool in_target) {
+      if (!is_there) return;
+      attributes.push_back({attribute, size, in_target});
+      size += attribute.size;
+    };
+    for (const bool in_target : {false, true}) {
+      if (in_target && extras.morph_target == nullptr) break;
+      add(true, k_position, in_target);
+      add(!soup.corner_normals.empty(), k_normal, in_target);
+      add(!soup.corner_uvs.empty(), k_uv, in_target);
+      add(!soup.vertex_colors.empty(), k_color, in_target);
+      add(!in_target && !extras.corner_tangents.empty(), k_tangent, in_target);
+      add(!in_target && !extras.parents.empty(), k_parent, in_target);
+    }
   }
+};
+
+// Vertices as the file has them; two corners with the same floats share one.
+class Primitive {
+ public:
+  explicit Primitive(std::size_t vertex_size) : size_(vertex_size), numbers_(0, Hash{this}, Equal{this}) {}
+  Primitive(const Primitive&) = delete;
+  Primitive& operator=(const Primitive&) = delete;
+
+  // The floats are those of a whole vertex.
+  void add_corner(const std::vector<float>& vertex) {
+    const auto number = static_cast<std::uint32_t>(n_vertices());
+    values_.insert(values_.end(), vertex.begin(), vertex.end());
+    const auto [found, is_new] = numbers_.insert(number);
+    if (!is_new) values_.resize(values_.size() - size_);
+    indices_.push_back(*found);
+  }
+
+  std::size_t n_vertices() const { return values_.size() / size_; }
+  const float* vertex(std::size_t number) const { return values_.data() + number * size_; }
+  const std::vector<std::uint32_t>& indices() const { return indices_; }
+
+ private:
+  struct Hash {
+    const Primitive* of;
+    std::size_t operator()(std::uint32_t number) const {
+      const float* const values = of->vertex(number);
+      std::uint64_t hash = 0;
+      for (std::size_t i = 0; i < of->size_; ++i) {
+        hash = (hash ^ std::bit_cast<std::uint32_t>(values[i])) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+      }
+      return hash;
+    }
+  };
+  struct Equal {
+    const Primitive* of;
+    bool operator()(std::uint32_t a, std::uint32_t b) const {
+      return std::memcmp(of->vertex(a), of->vertex(b), of->size_ * sizeof(float)) == 0;
+    }
+  };
+
+  std::size_t size_;
+  std::vector<float> values_;
+  std::vector<std::uint32_t> indices_;
+  std::unordered_set<std::uint32_t, Hash, Equal> numbers_;
 };
 
 // Floats keep 24 bits of a coordinate: a model further from the origin than a thousand times its size would
@@ -93,20 +135,20 @@ class VertexMaker {
   VertexMaker(const PolygonSoup& soup, const GltfMeshExtras& extras, const Vec3& offset)
       : soup_(soup), extras_(extras), offset_(offset) {}
 
-  FileVertex make(Index corner, std::size_t face) const {
-    const Index vertex = soup_.corner_vertices[corner];
-    FileVertex result;
-    put(result, k_position, soup_.positions[vertex] - offset_);
-    if (!soup_.corner_normals.empty()) put(result, k_normal, normal(soup_, corner, face));
-    if (!soup_.corner_uvs.empty()) put(result, k_uv, uv(soup_, corner));
-    if (!soup_.vertex_colors.empty()) put(result, k_color, color(soup_, vertex));
-    if (!extras_.corner_tangents.empty()) put(result, k_tangent, extras_.corner_tangents[corner]);
-    if (extras_.morph_target != nullptr) add_morph(result, *extras_.morph_target, corner, face);
+  /// Writes the floats of a corner in the order of `Layout`.
+  void make(Index corner, std::size_t face, std::vector<float>& vertex) const {
+    const Index v = soup_.corner_vertices[corner];
+    vertex.clear();
+    put(vertex, soup_.positions[v] - offset_);
+    if (!soup_.corner_normals.empty()) put(vertex, normal(soup_, corner, face));
+    if (!soup_.corner_uvs.empty()) put(vertex, uv(soup_, corner));
+    if (!soup_.vertex_colors.empty()) put(vertex, color(soup_, v));
+    if (!extras_.corner_tangents.empty()) put(vertex, extras_.corner_tangents[corner]);
     if (!extras_.parents.empty()) {
-      const Index parent = extras_.parents[vertex];
-      result.values[k_parent.first] = parent == k_no_index ? -1.0f : static_cast<float>(parent);
+      const Index parent = extras_.parents[v];
+      vertex.push_back(parent == k_no_index ? -1.0f : static_cast<float>(parent));
     }
-    return result;
+    if (extras_.morph_target != nullptr) put_target(vertex, *extras_.morph_target, corner, face);
   }
 
  private:
@@ -122,24 +164,20 @@ class VertexMaker {
     return soup.vertex_colors[vertex].cwiseMax(0.0).cwiseMin(1.0);
   }
 
-  void add_morph(FileVertex& result, const PolygonSoup& target, Index corner, std::size_t face) const {
-    const Index vertex = soup_.corner_vertices[corner];
-    put(result, k_morph_position, target.positions[vertex] - soup_.positions[vertex]);
-    if (!soup_.corner_normals.empty()) {
-      put(result, k_morph_normal, normal(target, corner, face) - normal(soup_, corner, face));
-    }
-    if (!soup_.corner_uvs.empty()) put(result, k_morph_uv, uv(target, corner) - uv(soup_, corner));
-    if (!soup_.vertex_colors.empty()) {
-      put(result, k_morph_color, color(target, vertex) - color(soup_, vertex));
-    }
+  void put_target(std::vector<float>& vertex, const PolygonSoup& target, Index corner,
+                  std::size_t face) const {
+    const Index v = soup_.corner_vertices[corner];
+    put(vertex, target.positions[v] - soup_.positions[v]);
+    if (!soup_.corner_normals.empty())
+      put(vertex, normal(target, corner, face) - normal(soup_, corner, face));
+    if (!soup_.corner_uvs.empty()) put(vertex, uv(target, corner) - uv(soup_, corner));
+    if (!soup_.vertex_colors.empty()) put(vertex, color(target, v) - color(soup_, v));
   }
 
   template <class Derived>
-  static void put(FileVertex& vertex, const Attribute& attribute, const Eigen::MatrixBase<Derived>& values) {
-    for (std::size_t i = 0; i < attribute.size; ++i) {
-      // Adding zero turns -0 into 0: the two would split a vertex.
-      vertex.values[attribute.first + i] = detail::to_float(values[static_cast<Eigen::Index>(i)] + 0.0);
-    }
+  static void put(std::vector<float>& vertex, const Eigen::MatrixBase<Derived>& values) {
+    // Adding zero turns -0 into 0: the two would split a vertex.
+    for (Eigen::Index i = 0; i < values.size(); ++i) vertex.push_back(detail::to_float(values[i] + 0.0));
   }
 
   const PolygonSoup& soup_;
@@ -181,24 +219,25 @@ struct GltfBuilder::Impl {
     return add_view({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)}, target);
   }
 
-  int add_attribute(const std::vector<FileVertex>& vertices, const Attribute& attribute) {
+  int add_attribute(const Primitive& primitive, const Placed& placed) {
+    const std::size_t size = placed.attribute.size, n = primitive.n_vertices();
     std::vector<float> values;
-    values.reserve(vertices.size() * attribute.size);
+    values.reserve(n * size);
     constexpr float k_infinite = std::numeric_limits<float>::infinity();
-    std::vector<float> low(attribute.size, k_infinite), high(attribute.size, -k_infinite);
-    for (const FileVertex& vertex : vertices) {
-      for (std::size_t i = 0; i < attribute.size; ++i) {
-        const float value = vertex.values[attribute.first + i];
-        low[i] = std::min(low[i], value);
-        high[i] = std::max(high[i], value);
-        values.push_back(value);
+    std::vector<float> low(size, k_infinite), high(size, -k_infinite);
+    for (std::size_t vertex = 0; vertex < n; ++vertex) {
+      const float* const of_vertex = primitive.vertex(vertex) + placed.first;
+      for (std::size_t i = 0; i < size; ++i) {
+        low[i] = std::min(low[i], of_vertex[i]);
+        high[i] = std::max(high[i], of_vertex[i]);
+        values.push_back(of_vertex[i]);
       }
     }
     json accessor{{"bufferView", add_values(values, k_vertex_data)},
                   {"componentType", k_float},
-                  {"count", vertices.size()},
-                  {"type", attribute.type}};
-    if (std::string_view(attribute.name) == k_position.name) {
+                  {"count", n},
+                  {"type", placed.attribute.type}};
+    if (std::string_view(placed.attribute.name) == k_position.name) {
       accessor["min"] = low;
       accessor["max"] = high;
     }
@@ -240,30 +279,14 @@ struct GltfBuilder::Impl {
     return append("materials", std::move(entry));
   }
 
-  json primitive_json(const Primitive& primitive, const PolygonSoup& soup, const GltfMeshExtras& extras) {
-    const auto add = [&](json& attributes, bool is_there, const Attribute& attribute) {
-      if (is_there) attributes[attribute.name] = add_attribute(primitive.vertices, attribute);
-    };
-    const bool normals = !soup.corner_normals.empty(), uvs = !soup.corner_uvs.empty(),
-               colors = !soup.vertex_colors.empty();
-    json attributes;
-    add(attributes, true, k_position);
-    add(attributes, normals, k_normal);
-    add(attributes, uvs, k_uv);
-    add(attributes, colors, k_color);
-    add(attributes, !extras.corner_tangents.empty(), k_tangent);
-    add(attributes, !extras.parents.empty(), k_parent);
+  json primitive_json(const Primitive& primitive, const Layout& layout) {
+    json attributes, target;
+    for (const Placed& placed : layout.attributes)
+      (placed.in_target ? target : attributes)[placed.attribute.name] = add_attribute(primitive, placed);
     json result{{"attributes", std::move(attributes)},
-                {"indices", add_indices(primitive.indices, primitive.vertices.size())},
+                {"indices", add_indices(primitive.indices(), primitive.n_vertices())},
                 {"mode", 4}};
-    if (extras.morph_target != nullptr) {
-      json target;
-      add(target, true, k_morph_position);
-      add(target, normals, k_morph_normal);
-      add(target, uvs, k_morph_uv);
-      add(target, colors, k_morph_color);
-      result["targets"] = json::array({std::move(target)});
-    }
+    if (!target.is_null()) result["targets"] = json::array({std::move(target)});
     return result;
   }
 
@@ -299,16 +322,20 @@ int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name, cons
   const Vec3 offset = offset_of(soup);
   const VertexMaker maker(soup, extras, offset);
   // One primitive for each material, the faces without one last.
-  std::vector<Primitive> primitives(soup.materials.size() + 1);
+  const Layout layout(soup, extras);
+  std::deque<Primitive> primitives;
+  for (std::size_t i = 0; i <= soup.materials.size(); ++i) primitives.emplace_back(layout.size);
+  std::vector<float> vertex;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Index face = faces[i / 3];
     const std::size_t material = soup.face_materials.empty() ? k_no_index : soup.face_materials[face];
-    primitives[std::min(material, soup.materials.size())].add_corner(maker.make(corners[i], face));
+    maker.make(corners[i], face, vertex);
+    primitives[std::min(material, soup.materials.size())].add_corner(vertex);
   }
   json list = json::array();
   for (std::size_t material = 0; material < primitives.size(); ++material) {
-    if (primitives[material].indices.empty()) continue;
-    json entry = impl_->primitive_json(primitives[material], soup, extras);
+    if (primitives[material].indices().empty()) continue;
+    json entry = impl_->primitive_json(primitives[material], layout);
     if (material < soup.materials.size()) {
       entry["material"] = impl_->material_number(soup.materials[material], !soup.corner_uvs.empty());
     }
