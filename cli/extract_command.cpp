@@ -49,10 +49,6 @@ Json common_json(const ExtractOptions& options, const ProgressiveMesh& mesh, con
           {"written_without", written.written_without}};
 }
 
-void print_common(const ExtractOptions& options, const ProgressiveMesh& mesh, const PolygonSoup& soup) {
-  if (!options.common.json) fmt::print("faces        {} of {}\n", soup.n_faces(), mesh.level_faces.back());
-}
-
 const char* kind_of_error(const ProgressiveMesh& mesh) {
   return mesh.errors_are_proved ? "certified" : "estimated";
 }
@@ -71,7 +67,7 @@ void finish(const ExtractOptions& options, const ProgressiveMesh& mesh, const Po
     document.update(fields);
     return print_json(document);
   }
-  print_common(options, mesh, soup);
+  fmt::print("faces        {} of {}\n", soup.n_faces(), mesh.level_faces.back());
   text();
   fmt::print("written      {}\n", options.output);
 }
@@ -125,7 +121,10 @@ void extract_view(const ExtractOptions& options, const ProgressiveMesh& mesh) {
        {"forced_splits", report.forced},
        {"pixel_error", report.pixel_error},
        {"seconds", report.seconds}},
-      [&] { fmt::print("pixel error  {:.4g} at most, {}\n", report.pixel_error, kind_of_error(mesh)); });
+      [&] {
+        fmt::print("pixel error  {:.4g} at most, from what is drawn to the input, {}\n", report.pixel_error,
+                   kind_of_error(mesh));
+      });
 }
 
 void run(const ExtractOptions& options) {
