@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 namespace recede {
@@ -110,6 +111,22 @@ class HeightBounds {
   int rows(int level) const { return levels_[static_cast<std::size_t>(level)].rows; }
   std::size_t bytes() const { return 4 * whole_.size() + 8 * floats_.size(); }
 
+  template <typename Sample>
+  struct Pair {
+    Sample min, max;
+  };
+  /// The stored nodes of a level from 1 on, row by row: samples as the map has them. `Sample` is
+  /// std::uint16_t for maps of whole numbers, float for others.
+  template <typename Sample>
+  const Pair<Sample>* stored_nodes(int level) const {
+    const std::size_t first = levels_[static_cast<std::size_t>(level)].first;
+    if constexpr (std::is_same_v<Sample, float>) {
+      return floats_.data() + first;
+    } else {
+      return whole_.data() + first;
+    }
+  }
+
   /// The range of heights over a node.
   HeightRange node(int level, int x, int y) const { return heights(samples_of_node(level, x, y)); }
 
@@ -127,10 +144,6 @@ class HeightBounds {
   struct Level {
     int columns = 0, rows = 0;
     std::size_t first = 0;
-  };
-  template <typename Sample>
-  struct Pair {
-    Sample min, max;
   };
   struct CellRectangle {
     int x0, y0, x1, y1;

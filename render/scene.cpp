@@ -1,5 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/shading_normals.h>
+#include <recede/render/detail/embree_device.h>
 #include <recede/render/detail/scene_data.h>
 #include <recede/render/scene.h>
 
@@ -12,38 +13,9 @@ namespace recede {
 
 namespace {
 
+using detail::embree_device;
 using detail::SceneData;
 using detail::throw_on_embree_error;
-
-// One device for the process: devices are costly to make and hold no state of a scene.
-RTCDevice embree_device() {
-  struct Device {
-    RTCDevice device = rtcNewDevice(nullptr);
-    ~Device() { rtcReleaseDevice(device); }
-  };
-  static const Device shared;
-  if (shared.device == nullptr) throw_on_embree_error(nullptr, "start");
-  return shared.device;
-}
-
-std::string_view embree_reason(RTCError error) {
-  switch (error) {
-    case RTC_ERROR_NONE:
-      return "no error";
-    case RTC_ERROR_INVALID_ARGUMENT:
-      return "invalid argument";
-    case RTC_ERROR_INVALID_OPERATION:
-      return "invalid operation";
-    case RTC_ERROR_OUT_OF_MEMORY:
-      return "out of memory";
-    case RTC_ERROR_UNSUPPORTED_CPU:
-      return "this processor lacks SSE2";
-    case RTC_ERROR_CANCELLED:
-      return "cancelled";
-    default:
-      return "unknown error";
-  }
-}
 
 void copy_positions(const PolygonSoup& soup, SceneData& data) {
   const Box3 box = bounding_box(soup);
@@ -132,12 +104,6 @@ void build_embree_scene(SceneData& data) {
 }  // namespace
 
 namespace detail {
-
-void throw_on_embree_error(RTCDevice device, const std::string& doing) {
-  const RTCError error = rtcGetDeviceError(device);
-  if (error != RTC_ERROR_NONE)
-    throw Error("Embree can't " + doing + ": " + std::string(embree_reason(error)));
-}
 
 SceneData::~SceneData() {
   if (scene != nullptr) rtcReleaseScene(scene);

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace recede::detail {
@@ -34,8 +33,5 @@ struct SceneData {
   double scale = 1;
   double radius = 0;  ///< of a sphere around the origin that holds all positions
 };
-
-/// Throws `Error` when the calling thread's last call to Embree failed; `doing` says what it was.
-void throw_on_embree_error(RTCDevice device, const std::string& doing);
 
 }  // namespace recede::detail

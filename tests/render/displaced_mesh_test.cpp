@@ -1,0 +1,597 @@
+#include "displaced_bases.h"
+#include "sanitized.h"
+#include <recede/geometry/error.h>
+#include <recede/render/detail/displaced_data.h>
+#include <recede/render/displaced_mesh.h>
+
+#include <gmock/gmock.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cstring>
+#include <map>
+#include <random>
+#include <string>
+
+namespace recede {
+namespace {
+
+using detail::DisplacedKernel;
+using detail::PatchArrays;
+using detail::PatchRayQuery;
+using test::chart_sphere;
+using test::k_sanitized;
+using test::rough_float_map;
+using test::rough_map;
+using testing::HasSubstr;
+
+// The square 0..1 x 0..1 at z = 0, with texture coordinates x, y.
+PolygonSoup unit_square() {
+  PolygonSoup soup;
+  soup.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  soup.add_face(std::array<Index, 4>{0, 1, 2, 3});
+  soup.corner_uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  return soup;
+}
+
+DisplacementMap flat_map(float height) { return DisplacementMap(2, 2, std::vector<float>(4, height)); }
+
+struct Ray {
+  Vec3 origin, direction;
+};
+
+PatchRayQuery query_of(const DisplacedMesh::Data& data, const Ray& ray, double fraction = 1) {
+  PatchRayQuery query;
+  const Vec3 origin = data.frame.to_scene(ray.origin), direction = ray.direction * data.frame.scale;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    query.origin[axis] = static_cast<float>(origin[axis]);
+    query.direction[axis] = static_cast<float>(direction[axis]);
+  }
+  query.t_min = 0;
+  query.t_max = std::numeric_limits<float>::infinity();
+  query.fraction = static_cast<float>(fraction);
+  return query;
+}
+
+// All small triangles, one by one.
+class BruteForce {
+ public:
+  BruteForce(const DisplacedMesh& mesh, double fraction = 1) : data_(mesh.data()), fraction_(fraction) {
+    const PatchArrays arrays = data_.arrays();
+    for (std::uint32_t p = 0; p < data_.patches.patches.size(); ++p) {
+      const detail::DisplacedPatch& patch = data_.patches.patches[p];
+      const std::uint32_t side = 1u << patch.level;
+      const auto point = [&](std::uint32_t i, std::uint32_t j) {
+        std::array<float, 3> at{};
+        detail::displaced_kernel().point(arrays, p, i, j, static_cast<float>(fraction), at.data());
+        return at;
+      };
+      for (std::uint32_t j = 0; j < side; ++j) {
+        for (std::uint32_t i = 0; i < side; ++i) {
+          for (std::uint32_t upper = 0; upper < 2; ++upper) {
+            if (patch.is_single && i + j + 1 + upper > side) continue;
+            Triangle triangle{p, 2 * (i + side * j) + upper, {}};
+            if (upper == 0) {
+              triangle.corners = {point(i, j), point(i + 1, j), point(i, j + 1)};
+            } else {
+              triangle.corners = {point(i + 1, j + 1), point(i, j + 1), point(i + 1, j)};
+            }
+            triangles_.push_back(triangle);
+          }
+        }
+      }
+    }
+  }
+
+  struct Hit {
+    float t = std::numeric_limits<float>::infinity();
+    std::uint64_t small = 0;
+    bool found = false;
+  };
+  Hit first_hit(const Ray& ray) const {
+    Hit best;
+    for (const Triangle& triangle : triangles_) {
+      PatchRayQuery query = query_of(data_, ray, fraction_);
+      query.t_max = best.t;
+      query.accepts_equal = !best.found;
+      if (!detail::displaced_kernel().test_triangle(triangle.corners[0].data(), triangle.corners[1].data(),
+                                                    triangle.corners[2].data(), query))
+        continue;
+      best = {query.t_max, std::uint64_t{triangle.patch} << 32 | triangle.number, true};
+    }
+    return best;
+  }
+
+ private:
+  struct Triangle {
+    std::uint32_t patch, number;
+    std::array<std::array<float, 3>, 3> corners;
+  };
+  const DisplacedMesh::Data& data_;
+  double fraction_;
+  std::vector<Triangle> triangles_;
+};
+
+Vec3 random_direction(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Vec3(normal(random), normal(random), normal(random)).normalized();
+}
+
+// From around the unit sphere at `center` to a point in it.
+Ray random_ray(std::mt19937& random, const Vec3& center) {
+  const Vec3 from = center + 1.6 * random_direction(random);
+  const Vec3 to = center + 1.2 * random_direction(random);
+  return {from, to - from};
+}
+
+std::vector<std::uint8_t> mixed_levels(const PolygonSoup& base, int most, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<Index> faces;
+  triangulate(base, &faces, nullptr);
+  std::vector<std::uint8_t> levels(faces.size());
+  for (std::uint8_t& level : levels)
+    level = static_cast<std::uint8_t>(random() % static_cast<unsigned>(most + 1));
+  return levels;
+}
+
+TEST(DisplacedMesh, AConstantHeightMovesAPlaneByIt) {
+  for (const int level : {0, 1, 3}) {
+    DisplacedMeshOptions options;
+    options.level = level;
+    const DisplacedMesh mesh(unit_square(), flat_map(0.25f), options);
+    EXPECT_EQ(mesh.small_triangles(), 2u << (2 * level));
+    const auto hit = mesh.first_hit({0.3, 0.6, 2}, {0, 0, -2});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->t, 0.875, 1e-6);  // a float near 1
+    EXPECT_NEAR(hit->uv.x(), 0.3, 1e-6);
+    EXPECT_NEAR(hit->uv.y(), 0.6, 1e-6);
+    EXPECT_EQ(hit->normal, Vec3(0, 0, 1));
+    EXPECT_EQ(hit->face, 0u);
+    EXPECT_TRUE(mesh.is_hit({0.3, 0.6, 2}, {0, 0, -2}));
+    EXPECT_FALSE(mesh.first_hit({0.3, 0.6, 2}, {0, 0, 2}));
+    EXPECT_FALSE(mesh.first_hit({0.3, 0.6, 2}, {0, 0, -2}, {.t_min = 0, .t_max = 0.8}));
+    EXPECT_FALSE(mesh.is_hit({0.3, 0.6, 2}, {0, 0, -2}, {.t_min = 0.9}));
+    EXPECT_FALSE(mesh.first_hit({1.3, 0.6, 2}, {0, 0, -2}));
+  }
+}
+
+TEST(DisplacedMesh, AHitTellsItsTriangleAndWeights) {
+  DisplacedMeshOptions options;
+  options.level = 2;
+  const PolygonSoup base = unit_square();
+  const DisplacedMesh mesh(base, flat_map(0.1f), options);
+  std::vector<Index> faces, corners;
+  triangulate(base, &faces, &corners);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(0.01, 0.99);
+  for (int k = 0; k < 100; ++k) {
+    const Vec2 at(place(random), place(random));
+    const auto hit = mesh.first_hit({at.x(), at.y(), 1}, {0, 0, -1});
+    ASSERT_TRUE(hit);
+    Vec2 mean = Vec2::Zero();
+    for (std::size_t c = 0; c < 3; ++c) {
+      mean += hit->weights[static_cast<Eigen::Index>(c)] * base.corner_uvs[corners[3 * hit->triangle + c]];
+    }
+    EXPECT_LT((mean - at).norm(), 1e-6);  // some steps of float at 1
+    EXPECT_LT((hit->uv - at).norm(), 1e-6);
+  }
+}
+
+TEST(DisplacedMesh, PointsBetweenTexelsAreBilinear) {
+  // Heights 0 and 1 at the middles of two texels, x = 1/4 and 3/4.
+  DisplacedMeshOptions options;
+  options.level = 6;
+  const DisplacedMesh mesh(unit_square(), DisplacementMap(2, 1, {0.0f, 1.0f}), options);
+  for (const auto& [x, height] :
+       {std::pair(0.125, 0.0), std::pair(0.5, 0.5), std::pair(0.625, 0.75), std::pair(0.875, 1.0)}) {
+    const auto hit = mesh.first_hit({x, 0.4, 2}, {0, 0, -1});
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->t, 2 - height, 1e-6) << x;
+  }
+}
+
+TEST(DisplacedMesh, DirectionsAreMadeUnitLengthBetweenPoints) {
+  // Directions at the two ends lean 60 degrees apart; in the middle of the side they sum to less than 1.
+  PolygonSoup base = unit_square();
+  const double c = std::cos(std::numbers::pi / 6), s = std::sin(std::numbers::pi / 6);
+  base.corner_normals = {{-s, 0, c}, {s, 0, c}, {s, 0, c}, {-s, 0, c}};
+  DisplacedMeshOptions options;
+  options.level = 1;
+  const DisplacedMesh mesh(base, flat_map(0.5f), options);
+  const PolygonSoup small = mesh.tessellate();
+  double highest = 0;
+  for (const Vec3& p : small.positions) highest = std::max(highest, p.z());
+  EXPECT_NEAR(highest, 0.5, 1e-6);  // interpolated without that, it were 0.433
+}
+
+struct Case {
+  std::string name;
+  PolygonSoup base;
+  DisplacementMap map;
+  DisplacedMeshOptions options;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> list;
+  const auto add = [&](std::string name, PolygonSoup base, DisplacementMap map, std::optional<int> level) {
+    DisplacedMeshOptions options;
+    options.level = level;
+    options.partial = true;
+    list.push_back({std::move(name), std::move(base), std::move(map), options});
+  };
+  const Vec3 zero = Vec3::Zero();
+  add("16 bits", chart_sphere(2, zero), rough_map(40, 30, 0, 0.2, MapBorder::clamped, 1), 3);
+  add("downwards", chart_sphere(2, zero), rough_map(40, 30, 0.1, -0.2, MapBorder::clamped, 2), 3);
+  add("floats", chart_sphere(2, zero), rough_float_map(17, 23, -0.1, 0.2, MapBorder::clamped, 3), 3);
+  add("warped charts", chart_sphere(3, zero, 0.1), rough_map(64, 64, 0, 0.1, MapBorder::clamped, 4), 3);
+  add("coarse base", chart_sphere(1, zero), rough_map(64, 64, 0, 0.3, MapBorder::clamped, 5), 4);
+  add("few texels", chart_sphere(2, zero), rough_map(3, 2, 0, 0.3, MapBorder::clamped, 6), 4);
+  add("one texel", chart_sphere(1, zero), rough_map(1, 1, 0, 0.3, MapBorder::periodic, 7), 2);
+  add("no subdivision", chart_sphere(4, zero), rough_map(64, 64, 0, 0.1, MapBorder::clamped, 8), 0);
+  add("a level of one", chart_sphere(3, zero), rough_map(64, 64, 0, 0.1, MapBorder::clamped, 9), 1);
+  PolygonSoup tiled = chart_sphere(2, zero);
+  for (Vec2& uv : tiled.corner_uvs) uv = 5.3 * uv - Vec2(1.7, 2.1);
+  add("tiled", tiled, rough_map(16, 11, 0, 0.2, MapBorder::periodic, 10), 3);
+  add("tiled floats", tiled, rough_float_map(16, 11, -0.1, 0.1, MapBorder::periodic, 11), 3);
+  add("beyond the border", tiled, rough_map(16, 11, 0, 0.2, MapBorder::clamped, 12), 3);
+  PolygonSoup triangles = chart_sphere(2, zero);
+  std::vector<Index> corners;
+  triangulate(triangles, nullptr, &corners);
+  PolygonSoup lone;  // an odd number of triangles, so that one stays alone at least
+  lone.positions = triangles.positions;
+  for (std::size_t c = 0; c + 3 < corners.size(); c += 3) {
+    std::array<Index, 3> face{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      face[k] = triangles.corner_vertices[corners[c + k]];
+      lone.corner_uvs.push_back(triangles.corner_uvs[corners[c + k]]);
+    }
+    lone.add_face(face);
+  }
+  add("lone triangles", lone, rough_map(40, 30, 0, 0.2, MapBorder::clamped, 13), 3);
+  add("mixed levels", chart_sphere(2, zero), rough_map(40, 30, 0, 0.2, MapBorder::clamped, 14), std::nullopt);
+  list.back().options.triangle_levels = mixed_levels(list.back().base, 4, 1);
+  add("mixed levels of lone triangles", lone, rough_map(40, 30, 0, 0.2, MapBorder::clamped, 15),
+      std::nullopt);
+  list.back().options.triangle_levels = mixed_levels(lone, 4, 2);
+  PolygonSoup creased = chart_sphere(1, zero);
+  for (Vec3& p : creased.positions) p /= p.cwiseAbs().maxCoeff();
+  add("a cube", creased, rough_map(64, 64, 0, 0.2, MapBorder::clamped, 16), 4);
+  PolygonSoup folded = unit_square();
+  folded.corner_normals = {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {0, 0.6, -0.8}};
+  add("directions that cancel out", folded, rough_map(16, 16, -0.5, 0.5, MapBorder::clamped, 17), 4);
+  PolygonSoup sliver = unit_square();
+  sliver.positions[2] = {0.5, 1e-7, 0};
+  add("a sliver", sliver, rough_map(16, 16, 0, 0.3, MapBorder::clamped, 18), 4);
+  PolygonSoup smeared = unit_square();
+  for (Vec2& uv : smeared.corner_uvs) uv = {0.3, 0.4};
+  add("one texture coordinate", smeared, rough_map(16, 16, 0, 0.3, MapBorder::clamped, 19), 3);
+  return list;
+}
+
+class DisplacedCase : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(Cases, DisplacedCase, testing::Range(std::size_t{0}, cases().size()),
+                         [](const auto& which) {
+                           std::string name = cases()[which.param].name;
+                           for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+                           return name;
+                         });
+
+TEST_P(DisplacedCase, TheFirstHitIsThatOfBruteForceOverAllSmallTriangles) {
+  const Case c = cases()[GetParam()];
+  const DisplacedMesh mesh(c.base, c.map, c.options);
+  const int rays = k_sanitized ? 200 : 2000;
+  for (const double fraction : {1.0, 0.4, 0.0}) {
+    const BruteForce brute(mesh, fraction);
+    std::mt19937 random(5);
+    for (int k = 0; k < rays; ++k) {
+      const Ray ray = random_ray(random, Vec3::Zero());
+      const BruteForce::Hit expected = brute.first_hit(ray);
+      const auto hit = mesh.first_hit(ray.origin, ray.direction, {.fraction = fraction});
+      ASSERT_EQ(hit.has_value(), expected.found) << c.name << " ray " << k << " fraction " << fraction;
+      EXPECT_EQ(mesh.is_hit(ray.origin, ray.direction, {.fraction = fraction}), expected.found);
+      if (!hit) continue;
+      ASSERT_EQ(hit->t, expected.t) << c.name << " ray " << k << " fraction " << fraction;
+      ASSERT_EQ(hit->small, expected.small) << c.name << " ray " << k << " fraction " << fraction;
+    }
+  }
+}
+
+TEST_P(DisplacedCase, RaysTogetherMeetWhatTheyMeetAlone) {
+  const Case c = cases()[GetParam()];
+  const DisplacedMesh mesh(c.base, c.map, c.options);
+  const DisplacedMesh::Data& data = mesh.data();
+  const DisplacedKernel& kernel = detail::displaced_kernel();
+  std::mt19937 random(6);
+  for (int k = 0; k < (k_sanitized ? 20 : 200); ++k) {
+    const auto count = static_cast<unsigned>(2 + random() % 15);
+    const Ray first = random_ray(random, Vec3::Zero());
+    const double spread = k % 2 == 0 ? 0.02 : 1;
+    std::array<PatchRayQuery, 16> alone, together, any;
+    for (unsigned r = 0; r < count; ++r) {
+      const Ray ray{first.origin, first.direction + spread * random_direction(random)};
+      alone[r] = together[r] = any[r] = query_of(data, ray);
+    }
+    for (std::uint32_t patch = 0; patch < data.patches.patches.size(); ++patch) {
+      for (unsigned r = 0; r < count; ++r) kernel.first_hit(data.arrays(), patch, alone[r]);
+      kernel.first_hits(data.arrays(), patch, together.data(), count);
+      kernel.are_hit(data.arrays(), patch, any.data(), count);
+    }
+    for (unsigned r = 0; r < count; ++r) {
+      ASSERT_EQ(together[r].is_met, alone[r].is_met);
+      EXPECT_EQ(any[r].is_met, alone[r].is_met);
+      if (!alone[r].is_met) continue;
+      EXPECT_EQ(together[r].t_max, alone[r].t_max);
+      EXPECT_EQ(together[r].triangle, alone[r].triangle);
+    }
+  }
+}
+
+#if defined(__x86_64__)
+TEST_P(DisplacedCase, BothVersionsOfTheKernelGiveTheSameBits) {
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "only one version runs here";
+  const DisplacedKernel &plain = detail::k_displaced_kernel_baseline, &fast = detail::displaced_kernel();
+  ASSERT_NE(&plain, &fast);
+  const Case c = cases()[GetParam()];
+  const DisplacedMesh mesh(c.base, c.map, c.options);
+  const DisplacedMesh::Data& data = mesh.data();
+  std::mt19937 random(7);
+  for (int k = 0; k < (k_sanitized ? 30 : 300); ++k) {
+    PatchRayQuery a = query_of(data, random_ray(random, Vec3::Zero())), b = a;
+    for (std::uint32_t patch = 0; patch < data.patches.patches.size(); ++patch) {
+      plain.first_hit(data.arrays(), patch, a);
+      fast.first_hit(data.arrays(), patch, b);
+    }
+    ASSERT_EQ(a.is_met, b.is_met);
+    if (!a.is_met) continue;
+    EXPECT_EQ(a.t_max, b.t_max);
+    EXPECT_EQ(a.triangle, b.triangle);
+    EXPECT_EQ(a.u, b.u);
+    EXPECT_EQ(std::memcmp(a.normal, b.normal, sizeof(a.normal)), 0);
+  }
+}
+#endif
+
+// How often rays from the middle of a closed surface, aimed at its small triangles' corners and sides and at
+// random, get out.
+std::size_t leaks(const DisplacedMesh& mesh, const Vec3& center, int rays) {
+  const PolygonSoup small = mesh.tessellate();
+  std::atomic<std::size_t> escaped{0};
+  tbb::parallel_for(0, 64, [&](int part) {
+    std::mt19937 random(static_cast<unsigned>(part));
+    std::uniform_real_distribution<double> share(0, 1);
+    for (int k = 0; k < rays / 64; ++k) {
+      const std::size_t face = random() % small.n_faces(), corner = random() % 3;
+      const Vec3& a = small.positions[small.corner_vertices[3 * face + corner]];
+      const Vec3& b = small.positions[small.corner_vertices[3 * face + (corner + 1) % 3]];
+      const Vec3 from = k % 2 == 0 ? center : Vec3(center + 0.3 * random_direction(random));
+      Vec3 to = center + random_direction(random);
+      if (k % 4 == 1) to = a;
+      if (k % 4 >= 2) to = a + share(random) * (b - a);
+      if (!mesh.first_hit(from, to - from)) ++escaped;
+    }
+  });
+  return escaped;
+}
+
+class ClosedCase : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Offsets, ClosedCase, testing::Values(0.0, 1e3, 1e5));
+
+TEST_P(ClosedCase, NoRayGetsOutAcrossSeamsCornersAndLevels) {
+  const Vec3 center = GetParam() * Vec3(1, -0.7, 0.4);
+  const int rays = k_sanitized ? 20000 : 400000;
+  const PolygonSoup base = chart_sphere(4, center, 0.05);
+  DisplacedMeshOptions same;
+  same.level = 4;
+  const DisplacedMesh uniform(base, rough_map(128, 96, 0, 0.3, MapBorder::clamped, 3), same);
+  EXPECT_GT(uniform.data().patches.exceptions.size(), 0u);
+  EXPECT_EQ(leaks(uniform, center, rays), 0u);
+  DisplacedMeshOptions mixed;
+  mixed.triangle_levels = mixed_levels(base, 5, 9);
+  const DisplacedMesh various(base, rough_map(128, 96, -0.2, 0.2, MapBorder::periodic, 4), mixed);
+  EXPECT_EQ(leaks(various, center, rays), 0u);
+}
+
+TEST(DisplacedMesh, NeighboursHaveTheSamePointsAlongTheirSides) {
+  const PolygonSoup base = chart_sphere(3, Vec3::Zero(), 0.05);
+  for (const bool is_mixed : {false, true}) {
+    DisplacedMeshOptions options;
+    options.level = 3;
+    if (is_mixed) options.triangle_levels = mixed_levels(base, 4, 21);
+    const DisplacedMesh mesh(base, rough_map(64, 48, 0, 0.3, MapBorder::clamped, 3), options);
+    PolygonSoup small = mesh.tessellate();
+    merge_identical_vertices(small);
+    std::map<std::pair<Index, Index>, int> balance;
+    for (Index f = 0; f < small.n_faces(); ++f) {
+      for (Index k = 0; k < 3; ++k) {
+        const Index from = small.corner_vertices[3 * f + k], to = small.corner_vertices[3 * f + (k + 1) % 3];
+        if (from == to) continue;  // sides that closed up towards a coarser neighbour
+        balance[std::minmax(from, to)] += from < to ? 1 : -1;
+      }
+    }
+    for (const auto& [ends, sum] : balance)
+      ASSERT_EQ(sum, 0) << small.positions[ends.first].transpose() << " to "
+                        << small.positions[ends.second].transpose();
+  }
+}
+
+// The recursion of the dissertation as it is printed, which makes directions unit length at every step.
+void recurse(const DisplacementMap& map, const std::array<Vec3, 3>& p, const std::array<Vec2, 3>& uv,
+             const std::array<Vec3, 3>& n, int level, double fraction, PolygonSoup& soup, int& tests) {
+  const auto moved = [&](const Vec3& at, const Vec2& texel, const Vec3& direction) {
+    return Vec3(at + direction * map.height_at(texel) * fraction);
+  };
+  if (level == 0) {
+    std::array<Index, 3> face{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      face[k] = static_cast<Index>(soup.positions.size());
+      soup.positions.push_back(moved(p[k], uv[k], n[k]));
+    }
+    soup.add_face(face);
+    ++tests;
+    return;
+  }
+  std::array<Vec3, 3> q, m;
+  std::array<Vec2, 3> w;
+  for (std::size_t k = 0; k < 3; ++k) {
+    q[k] = (p[k] + p[(k + 1) % 3]) / 2;
+    w[k] = (uv[k] + uv[(k + 1) % 3]) / 2;
+    m[k] = ((n[k] + n[(k + 1) % 3]) / 2).normalized();
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t before = (k + 2) % 3;
+    recurse(map, {p[k], q[k], q[before]}, {uv[k], w[k], w[before]}, {n[k], m[k], m[before]}, level - 1,
+            fraction, soup, tests);
+  }
+  recurse(map, {q[0], q[1], q[2]}, {w[0], w[1], w[2]}, {m[0], m[1], m[2]}, level - 1, fraction, soup, tests);
+}
+
+TEST(DisplacedMesh, TheDissertationsRecursionFindsTheSameSurface) {
+  PolygonSoup base = chart_sphere(4, Vec3::Zero());
+  for (const Index v : base.corner_vertices) base.corner_normals.push_back(base.positions[v].normalized());
+  const DisplacementMap map = rough_map(16, 12, 0, 0.1, MapBorder::clamped, 3);
+  std::vector<Index> corners;
+  triangulate(base, nullptr, &corners);
+  for (const int level : {1, 2, 4}) {
+    DisplacedMeshOptions options;
+    options.level = level;
+    options.partial = true;
+    const DisplacedMesh mesh(base, map, options);
+    for (const double fraction : {1.0, 0.5}) {
+      PolygonSoup small;
+      int tests = 0;
+      for (std::size_t c = 0; c < corners.size(); c += 3) {
+        std::array<Vec3, 3> p, n;
+        std::array<Vec2, 3> uv;
+        for (std::size_t k = 0; k < 3; ++k) {
+          p[k] = base.positions[base.corner_vertices[corners[c + k]]];
+          n[k] = base.corner_normals[corners[c + k]];
+          uv[k] = base.corner_uvs[corners[c + k]];
+        }
+        recurse(map, p, uv, n, level, fraction, small, tests);
+      }
+      EXPECT_EQ(tests, static_cast<int>(corners.size() / 3) << (2 * level));
+      EXPECT_EQ(mesh.small_triangles(), small.n_faces());
+      // Away from seams, every point of one is near one of the other: the two ways of making directions unit
+      // length differ by the cube of the angle between corners, 1e-3 here, times the height.
+      const PolygonSoup ours = mesh.tessellate(fraction);
+      std::vector<Vec3> points = ours.positions;
+      std::sort(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
+      std::size_t far = 0;
+      for (const Vec3& p : small.positions) {
+        const auto near = [&](double reach) {
+          auto it = std::lower_bound(points.begin(), points.end(), p.x() - reach,
+                                     [](const Vec3& a, double x) { return a.x() < x; });
+          for (; it != points.end() && it->x() < p.x() + reach; ++it) {
+            if ((*it - p).norm() < reach) return true;
+          }
+          return false;
+        };
+        far += near(1.5e-4) ? 0 : 1;
+      }
+      // Along the twelve seams of the cube the recursion has two heights, and one of them is ours.
+      EXPECT_LT(static_cast<double>(far), 0.12 * static_cast<double>(small.positions.size())) << level;
+    }
+  }
+}
+
+TEST(DisplacedMesh, RaysFromWithinTheShellStartThere) {
+  // Row 16 of the specification's table: the camera may stand among the bumps.
+  DisplacedMeshOptions options;
+  options.level = 5;
+  const DisplacedMesh mesh(unit_square(), DisplacementMap(2, 1, {0.0f, 1.0f}), options);
+  const auto wall = mesh.first_hit({0.3, 0.5, 0.5}, {1, 0, 0});
+  ASSERT_TRUE(wall);
+  EXPECT_NEAR(wall->t, 0.2, 1e-6);
+  EXPECT_FALSE(mesh.first_hit({0.7, 0.5, 0.5}, {1, 0, 0}));
+  const auto from_below = mesh.first_hit({0.7, 0.5, 0.5}, {0, 0, 1});
+  ASSERT_TRUE(from_below);
+  EXPECT_NEAR(from_below->t, 0.4, 1e-6);
+}
+
+TEST(DisplacedMesh, AnotherMapOfTheSameSizeTakesThePlaceOfTheFirst) {
+  const PolygonSoup base = chart_sphere(2, Vec3::Zero());
+  DisplacedMeshOptions options;
+  options.level = 3;
+  DisplacedMesh mesh(base, rough_map(40, 30, 0, 0.1, MapBorder::clamped, 1), options);
+  const DisplacementMap other = rough_map(40, 30, -0.3, 0.4, MapBorder::clamped, 2);
+  mesh.set_map(other);
+  const DisplacedMesh fresh(base, other, options);
+  std::mt19937 random(4);
+  for (int k = 0; k < 500; ++k) {
+    const Ray ray = random_ray(random, Vec3::Zero());
+    const auto a = mesh.first_hit(ray.origin, ray.direction), b = fresh.first_hit(ray.origin, ray.direction);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (a) {
+      EXPECT_EQ(a->small, b->small);
+    }
+  }
+  EXPECT_THROW(mesh.set_map(rough_map(41, 30, 0, 1, MapBorder::clamped, 2)), OptionError);
+}
+
+TEST(DisplacedMesh, MemoryDoesNotGrowWithTheLevel) {
+  const PolygonSoup base = chart_sphere(2, Vec3::Zero());
+  const auto memory = [&](int level) {
+    DisplacedMeshOptions options;
+    options.level = level;
+    const DisplacedMesh mesh(base, rough_map(40, 30, 0, 0.1, MapBorder::clamped, 1), options);
+    const DisplacedMesh::Memory m = mesh.memory();
+    return m.map + m.pyramid + m.base;
+  };
+  EXPECT_EQ(memory(2), memory(12));
+}
+
+TEST(DisplacedMesh, TheLevelFollowsTheTexels) {
+  // 64 x 64 texels over two triangles: 4^6 small ones each are twice as many as texels.
+  const DisplacedMesh mesh(unit_square(), rough_map(64, 64, 0, 0.1, MapBorder::clamped, 1));
+  EXPECT_EQ(mesh.small_triangles(), 2u * 4096u);
+}
+
+TEST(DisplacedMesh, StrangeRaysMeetNothing) {
+  const DisplacedMesh mesh(unit_square(), flat_map(0));
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(mesh.first_hit({0.5, 0.5, 1}, {0, 0, 0}));
+  EXPECT_FALSE(mesh.first_hit({0.5, nan, 1}, {0, 0, -1}));
+  EXPECT_FALSE(mesh.first_hit({0.5, 0.5, 1}, {0, 0, -inf}));
+  EXPECT_FALSE(mesh.is_hit({0.5, 0.5, nan}, {0, 0, -1}));
+  EXPECT_FALSE(mesh.is_hit({0.5, 0.5, 1}, {0, 0, 0}));
+  const auto tiny = mesh.first_hit({0.25, 0.5, 1}, {0, 0, -1e-30});
+  ASSERT_TRUE(tiny);
+  EXPECT_NEAR(tiny->t, 1e30, 1e24);
+}
+
+TEST(DisplacedMesh, BadInputIsNamed) {
+  const auto message = [](const auto& make) {
+    try {
+      make();
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  PolygonSoup bare = unit_square();
+  bare.corner_uvs.clear();
+  EXPECT_THAT(message([&] { DisplacedMesh(bare, flat_map(0)); }), HasSubstr("texture coordinates"));
+  PolygonSoup strange = unit_square();
+  strange.corner_uvs[2].x() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(message([&] { DisplacedMesh(strange, flat_map(0)); }), HasSubstr("finite"));
+  EXPECT_THAT(message([&] { DisplacedMesh(PolygonSoup{}, flat_map(0)); }), HasSubstr("faces"));
+  DisplacedMeshOptions options;
+  options.level = 15;
+  EXPECT_THAT(message([&] { DisplacedMesh(unit_square(), flat_map(0), options); }), HasSubstr("0 and 14"));
+  options.level = {};
+  options.triangle_levels = {1};
+  EXPECT_THAT(message([&] { DisplacedMesh(unit_square(), flat_map(0), options); }),
+              HasSubstr("1 levels for 2 triangles"));
+  const DisplacedMesh mesh(unit_square(), flat_map(0.1f));
+  EXPECT_THAT(message([&] {
+                mesh.first_hit({0.5, 0.5, 1}, {0, 0, -1}, {.fraction = 0.5});
+              }),
+              HasSubstr("partial"));
+  EXPECT_THAT(message([&] {
+                mesh.first_hit({0.5, 0.5, 1}, {0, 0, -1}, {.fraction = 1.5});
+              }),
+              HasSubstr("between 0 and 1"));
+}
+
+}  // namespace
+}  // namespace recede
