@@ -358,4 +358,38 @@ DisplacedPatches make_displaced_patches(const PolygonSoup& base, const SceneFram
   return PatchMaker(base, frame, columns, rows, levels).run();
 }
 
+namespace {
+
+constexpr int k_least_level_of_part = 4;  // unless its patch has less
+
+}  // namespace
+
+void divide_into_parts(DisplacedPatches& patches) {
+  constexpr std::size_t k_most_parts = 1 << 16;  // some 5 MB of boxes
+  const auto level_of_part = [](const DisplacedPatch& patch, int divisions) {
+    return std::max(patch.level - divisions, std::min<int>(patch.level, k_least_level_of_part));
+  };
+  const auto count = [&](int divisions) {
+    std::size_t sum = 0;
+    for (const DisplacedPatch& patch : patches.patches)
+      sum += std::size_t{1} << (2 * (patch.level - level_of_part(patch, divisions)));
+    return sum;
+  };
+  int divisions = 0;
+  while (count(divisions + 1) <= k_most_parts && count(divisions + 1) > count(divisions)) ++divisions;
+  patches.parts.clear();
+  if (divisions == 0) return;
+  for (std::uint32_t p = 0; p < patches.patches.size(); ++p) {
+    const DisplacedPatch& patch = patches.patches[p];
+    const int level = level_of_part(patch, divisions);
+    const std::uint32_t side = 1u << patch.level, step = 1u << level;
+    for (std::uint32_t j = 0; j < side; j += step) {
+      for (std::uint32_t i = 0; i < (patch.is_single ? side - j : side); i += step) {
+        patches.parts.push_back({p, static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j),
+                                 static_cast<std::uint8_t>(level)});
+      }
+    }
+  }
+}
+
 }  // namespace recede::detail

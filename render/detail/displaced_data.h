@@ -19,7 +19,10 @@ struct DisplacedMesh::Data {
   /// False for a ray that can't meet anything. Throws `OptionError` for a fraction that can't be had.
   bool set_ray(const Vec3& origin, const Vec3& direction, const DisplacedRayOptions& options,
                RTCRay& ray) const;
-  Hit hit_of(std::uint32_t patch, const detail::PatchRayQuery& query) const;
+  std::size_t n_parts() const {
+    return patches.parts.empty() ? patches.patches.size() : patches.parts.size();
+  }
+  Hit hit_of(std::uint32_t part, const detail::PatchRayQuery& query) const;
 
   DisplacementMap map;
   std::optional<HeightBounds> bounds;
@@ -39,7 +42,7 @@ struct DisplacedContext {
   std::uint32_t triangle = 0;  ///< of the hit, as in `PatchRayQuery`
 };
 
-/// A geometry of one primitive for each patch. `data` stays in place. Rays bring a `DisplacedContext`.
+/// A geometry of one primitive for each part. `data` stays in place. Rays bring a `DisplacedContext`.
 RTCGeometry displaced_geometry(RTCDevice device, const DisplacedMesh::Data& data);
 
 }  // namespace detail

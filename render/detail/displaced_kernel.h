@@ -59,7 +59,15 @@ struct HeightMapView {
   float offset = 0, scale = 0;  ///< height = offset + scale * sample, scaled scene
 };
 
+/// A square of 2^level steps of a patch from the place (i, j). Embree holds boxes of these.
+struct PatchPart {
+  std::uint32_t patch;
+  std::uint16_t i, j;
+  std::uint8_t level;
+};
+
 struct PatchArrays {
+  const PatchPart* parts = nullptr;  ///< null: every patch is one part
   const DisplacedPatch* patches = nullptr;
   const DisplacedVertex* vertices = nullptr;
   const PatchException* exceptions = nullptr;
@@ -91,14 +99,14 @@ struct PatchBox {
 /// One version of the functions below.
 struct DisplacedKernel {
   /// The first hit with t from t_min to t_max; of several at one t that of the least number.
-  void (*first_hit)(const PatchArrays&, std::uint32_t patch, PatchRayQuery&);
+  void (*first_hit)(const PatchArrays&, std::uint32_t part, PatchRayQuery&);
   /// Whether there is one.
-  void (*is_hit)(const PatchArrays&, std::uint32_t patch, PatchRayQuery&);
+  void (*is_hit)(const PatchArrays&, std::uint32_t part, PatchRayQuery&);
   /// The same for up to k_most_rays rays of one fraction, which had better run side by side.
-  void (*first_hits)(const PatchArrays&, std::uint32_t patch, PatchRayQuery* rays, unsigned count);
-  void (*are_hit)(const PatchArrays&, std::uint32_t patch, PatchRayQuery* rays, unsigned count);
-  /// Holds the displaced patch, and with `partial` those of all smaller fractions.
-  PatchBox (*bounds)(const PatchArrays&, std::uint32_t patch, bool partial);
+  void (*first_hits)(const PatchArrays&, std::uint32_t part, PatchRayQuery* rays, unsigned count);
+  void (*are_hit)(const PatchArrays&, std::uint32_t part, PatchRayQuery* rays, unsigned count);
+  /// Holds the displaced part, and with `partial` those of all smaller fractions.
+  PatchBox (*bounds)(const PatchArrays&, std::uint32_t part, bool partial);
   /// The displaced point at the place (i, j).
   void (*point)(const PatchArrays&, std::uint32_t patch, std::uint32_t i, std::uint32_t j, float fraction,
                 float* position);

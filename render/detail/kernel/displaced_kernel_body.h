@@ -11,24 +11,29 @@ auto with_sample(const HeightMapView& map, const Function& function) {
 }
 
 template <bool k_any>
-void search_patch(const PatchArrays& arrays, std::uint32_t patch, PatchRayQuery& ray) {
+void search_patch(const PatchArrays& arrays, std::uint32_t number, PatchRayQuery& ray) {
+  const PatchPart part = part_of(arrays, number);
   with_sample(*arrays.map,
-              [&](auto sample) { PatchSearch<decltype(sample), k_any>(arrays, patch, ray).run(); });
+              [&](auto sample) { PatchSearch<decltype(sample), k_any>(arrays, part, ray).run(part); });
 }
 
 template <bool k_any>
-void search_patch_together(const PatchArrays& arrays, std::uint32_t patch, PatchRayQuery* rays,
+void search_patch_together(const PatchArrays& arrays, std::uint32_t number, PatchRayQuery* rays,
                            unsigned count) {
-  with_sample(*arrays.map,
-              [&](auto sample) { PacketSearch<decltype(sample), k_any>(arrays, patch, rays, count).run(); });
+  const PatchPart part = part_of(arrays, number);
+  with_sample(*arrays.map, [&](auto sample) {
+    PacketSearch<decltype(sample), k_any>(arrays, part, rays, count).run(part);
+  });
 }
 
-PatchBox patch_bounds(const PatchArrays& arrays, std::uint32_t number, bool partial) {
-  const PatchPoints points(arrays, number);
+PatchBox part_bounds(const PatchArrays& arrays, std::uint32_t number, bool partial) {
+  const PatchPart part = part_of(arrays, number);
+  const PatchPoints points(arrays, part.patch);
   const PatchFrame frame = PatchFrame::of_scene();
   const Boxes4 box = with_sample(*arrays.map, [&](auto sample) {
     const HeightMap<decltype(sample)> map(*arrays.map, 1);
-    return PatchBounds<decltype(sample)>(points, frame, map).box_of_patch(partial);
+    const PatchBounds<decltype(sample)> bounds(points, frame, map);
+    return bounds.box_of(bounds.square_of(part), partial);
   });
   PatchBox result;
   for (int axis = 0; axis < 3; ++axis) {
@@ -62,7 +67,7 @@ const DisplacedKernel RECEDE_KERNEL = {search_patch<false>,
                                        search_patch<true>,
                                        search_patch_together<false>,
                                        search_patch_together<true>,
-                                       patch_bounds,
+                                       part_bounds,
                                        patch_point,
                                        meet_triangle};
 

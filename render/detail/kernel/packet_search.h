@@ -91,8 +91,8 @@ class BoxRays {
 template <typename Sample, bool k_any>
 class PacketSearch {
  public:
-  PacketSearch(const PatchArrays& arrays, std::uint32_t number, PatchRayQuery* rays, unsigned count)
-      : points_(arrays, number),
+  PacketSearch(const PatchArrays& arrays, const PatchPart& part, PatchRayQuery* rays, unsigned count)
+      : points_(arrays, part.patch),
         frame_(PatchFrame::of_patch(points_)),
         map_(*arrays.map, rays[0].fraction),
         bounds_(points_, frame_, map_),
@@ -100,8 +100,8 @@ class PacketSearch {
         box_rays_(rays, count, frame_),
         waiting_((1u << count) - 1) {}
 
-  void run() {
-    push(bounds_.root(), waiting_, -3e38f, count_);
+  void run(const PatchPart& part) {
+    push(bounds_.square_of(part), waiting_, -3e38f, count_);
     while (count_ > 0 && waiting_ != 0) {
       const Entry entry = stack_[--count_];
       const unsigned active = box_rays_.not_before(entry.active & waiting_, entry.t);

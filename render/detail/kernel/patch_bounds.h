@@ -119,7 +119,8 @@ class PatchBounds {
     Place local[4];
     for (int k = 0; k < 4; ++k) local[k] = frame.to_local(points.corner[k]);
     const float step = 1 / static_cast<float>(points.side);
-    root_ = local[0];
+    first_ = local[0];
+    opposite_ = local[2];
     step_i_[k_first] = (local[1] - local[0]) * step;
     step_j_[k_first] = (local[3] - local[0]) * step;
     step_i_[k_second] = (local[2] - local[3]) * step;
@@ -140,7 +141,17 @@ class PatchBounds {
     }
   }
 
-  Square root() const { return {root_, 0, 0, points_.patch.level, k_diagonal}; }
+  RECEDE_INLINE Square square_of(const PatchPart& part) const {
+    const std::uint32_t size = 1u << part.level, sum = std::uint32_t{part.i} + part.j;
+    const auto i = static_cast<float>(part.i), j = static_cast<float>(part.j);
+    if (sum >= points_.side) {
+      const auto side = static_cast<float>(points_.side);
+      return {opposite_ + ((i - side) * step_i_[k_second] + (j - side) * step_j_[k_second]), part.i, part.j,
+              part.level, k_second};
+    }
+    return {first_ + (i * step_i_[k_first] + j * step_j_[k_first]), part.i, part.j, part.level,
+            sum + size < points_.side ? k_first : k_diagonal};
+  }
 
   RECEDE_INLINE Square child(const Square& square, int k) const {
     const int level = square.level - 1;
@@ -173,21 +184,22 @@ class PatchBounds {
       }
     }
     Range4 extra{all4(3e38f), all4(-3e38f)};
-    const bool has_exception = points_.exception != nullptr;
+    const bool has_exception =
+        points_.exception != nullptr && points_.is_at_border(square.i, square.j, 1u << square.level);
     if (has_exception) extend_children(square, ranges, extra);
     return boxes(ranges, has_exception, extra, false);
   }
 
-  // The box of the whole patch, in all lanes; with `partial` for all fractions of the displacement.
-  Boxes4 box_of_patch(bool partial) const {
-    const Square whole = root();
-    const float size = static_cast<float>(points_.side);
+  // The box of a square, in all lanes; with `partial` for all fractions of the displacement.
+  Boxes4 box_of(const Square& square, bool partial) const {
+    const std::uint32_t steps = 1u << square.level;
+    const float size = static_cast<float>(steps);
     Ranges4 ranges;
     Range4 extra{all4(3e38f), all4(-3e38f)};
     for (int k = 0; k < 4; ++k) {
-      ranges.least[k] = whole.start + size * least_[k_diagonal];
-      ranges.largest[k] = whole.start + size * largest_[k_diagonal];
-      if (points_.exception != nullptr) extend(0, 0, points_.side, k, ranges, extra);
+      ranges.least[k] = square.start + size * least_[square.kind];
+      ranges.largest[k] = square.start + size * largest_[square.kind];
+      if (points_.exception != nullptr) extend(square.i, square.j, steps, k, ranges, extra);
     }
     return boxes(ranges, points_.exception != nullptr, extra, partial);
   }
@@ -313,7 +325,7 @@ class PatchBounds {
   const PatchPoints& points_;
   const PatchFrame& frame_;
   const HeightMap<Sample>& map_;
-  Place root_;
+  Place first_, opposite_;  // corners a and c
   // A step along i and along j; where a square of side 1 begins and ends from its first corner. By kind.
   Float8 step_i_[3], step_j_[3], least_[3], largest_[3];
 };

@@ -15,6 +15,11 @@ constexpr int k_texel_x = 3, k_direction = 4, k_texel_y = 7;
 
 inline Place middle(const Place& a, const Place& b) { return (a + b) * 0.5f; }
 
+inline PatchPart part_of(const PatchArrays& arrays, std::uint32_t number) {
+  if (arrays.parts != nullptr) return arrays.parts[number];
+  return {number, 0, 0, arrays.patches[number].level};
+}
+
 // Nine points of two by two squares, row by row from a.
 struct LeafPlaces {
   Place at[9];
@@ -85,6 +90,12 @@ class PatchPoints {
     }
     if (exception != nullptr) take_exceptions(result, i, j);
     return result;
+  }
+
+  // Only squares along the border may have exceptions; and where there is one triangle, along its diagonal.
+  bool is_at_border(std::uint32_t i, std::uint32_t j, std::uint32_t size) const {
+    return i == 0 || j == 0 || i + size == side || j + size == side ||
+           (patch.is_single && i + j + 2 * size >= side);
   }
 
   bool is_exceptional(int line) const {

@@ -68,7 +68,7 @@ class Leaf {
     } else {
       points.find_leaf(square.i, square.j, places_);
     }
-    if (points.exception != nullptr) {
+    if (points.exception != nullptr && points.is_at_border(square.i, square.j, 1u << square.level)) {
       for (int k = 0; k < 9; ++k) points.take_exceptions(places_.at[k], places_.i[k], places_.j[k]);
     }
     displace_leaf(places_, map, points_);
@@ -137,16 +137,16 @@ inline unsigned children_inside(const PatchPoints& points, const Square& square)
 template <typename Sample, bool k_any>
 class PatchSearch {
  public:
-  RECEDE_INLINE PatchSearch(const PatchArrays& arrays, std::uint32_t number, PatchRayQuery& ray)
-      : points_(arrays, number),
+  RECEDE_INLINE PatchSearch(const PatchArrays& arrays, const PatchPart& part, PatchRayQuery& ray)
+      : points_(arrays, part.patch),
         frame_(PatchFrame::of_patch(points_)),
         map_(*arrays.map, ray.fraction),
         bounds_(points_, frame_, map_),
         ray_(ray),
         box_ray_(ray, frame_) {}
 
-  void run() {
-    Square square = bounds_.root();
+  void run(const PatchPart& part) {
+    Square square = bounds_.square_of(part);
     if (square.level <= 1) return test_leaf(square);
     for (;;) {
       if (!go_down(square) && !take_from_stack(square)) return;

@@ -1,0 +1,15 @@
+// Rays against displaced surfaces: ours beside Embree's triangles, grids and subdivision surfaces, and the
+// recursion that tests all small triangles.
+#pragma once
+
+#include "bench_run.h"
+
+#include <string>
+
+namespace recede::bench {
+
+/// Measures everything and gives the tables, in Markdown. Each system runs in a process of its own; rates are
+/// of one thread.
+std::string displaced_tables(const BenchOptions& options);
+
+}  // namespace recede::bench
