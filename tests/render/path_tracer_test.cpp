@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 
 namespace recede {
@@ -158,27 +159,36 @@ TEST(Shadows, FallThroughGapsOfATenThousandthOfTheSize) {
   }
 }
 
-TEST(Shadows, ThinTrianglesDoNotHideTheirOwnLight) {
-  // A fan of slivers, a hundred thousand times longer than wide, in a plane along no axis.
-  PolygonSoup fan;
-  const Vec3 across = Vec3(1, 2, 3).normalized(), along = across.cross(Vec3(0.3, 1, -0.2)).normalized();
-  fan.positions.push_back(Vec3::Zero());
-  for (int i = 0; i <= 40; ++i) fan.positions.push_back(along + 1e-5 * i * across);
-  for (Index i = 1; i <= 40; ++i) fan.add_face(std::array<Index, 3>{0, i, i + 1});
-  const Vec3 normal = along.cross(across);
-  const Scene scene = flat(with_albedo(fan, 1));
-  const Vec3 middle = 0.8 * along + 1.6e-4 * across;
-  const Camera camera{.position = middle + normal,
-                      .target = middle,
-                      .up = across,
-                      .field_of_view = 1e-4,
-                      .width = 16,
-                      .height = 16};
-  for (const Vec3& tilt : {Vec3(0, 0, 0), Vec3(2 * across), Vec3(2 * along), Vec3(-3 * across)}) {
-    const Vec3 toward = (normal + tilt).normalized();
+// Triangles a hundred thousand times longer than high, with their top above the middle, so that no two sides
+// span the plane well: float leaves their normals uncertain by degrees, and rays that start on them may be on
+// the wrong side.
+TEST(Shadows, FlatTrianglesDoNotHideTheirOwnLight) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal_number;
+  const auto random_direction = [&] {
+    return Vec3(normal_number(random), normal_number(random), normal_number(random)).normalized();
+  };
+  for (int trial = 0; trial < 50; ++trial) {
+    const Vec3 along = random_direction(), across = along.cross(random_direction()).normalized();
+    const Vec3 normal = along.cross(across);
+    constexpr double k_height = 1e-5;
+    PolygonSoup flat_triangle;
+    flat_triangle.positions = {Vec3::Zero(), along, 0.47 * along + k_height * across};
+    flat_triangle.add_face(std::array<Index, 3>{0, 1, 2});
+    const Scene scene = flat(with_albedo(flat_triangle, 1));
+    const Vec3 middle = 0.49 * along + 0.4 * k_height * across;
+    const Camera camera{.position = middle + normal,
+                        .target = middle,
+                        .up = across,
+                        .field_of_view = 2e-6,
+                        .width = 4,
+                        .height = 4};
+    // From the half of all directions that is surely in front.
+    Vec3 toward = random_direction();
+    if (toward.dot(normal) < 0) toward = -toward;
+    toward = (toward + normal).normalized();
     const Image lit = render(scene, camera, direct_light(sun_from(toward, k_pi)));
-    // Float leaves such a triangle's normal right to some per cent.
-    for (const Rgb& pixel : lit.pixels) ASSERT_GT(pixel.x(), 0.8f * static_cast<float>(toward.dot(normal)));
+    for (const Rgb& pixel : lit.pixels) ASSERT_GT(pixel.x(), 0.3f) << trial;
   }
 }
 
