@@ -61,18 +61,17 @@ EnvironmentMap::EnvironmentMap(const EnvironmentLight& light) : image_(light.rad
     if (pixel != image_.pixels[0]) constant_ = false;
     luminances_.push_back(luminance(pixel));
   }
+  for (int y = 0; y <= image_.height; ++y) row_cosines_.push_back(std::cos(k_pi * y / image_.height));
   const double width = 2 * k_pi / image_.width;
   const std::size_t columns = static_cast<std::size_t>(image_.width);
   for (int y = 0; y < image_.height; ++y) {
     double sum = 0;
     for (std::size_t x = 0; x < columns; ++x)
       column_sums_.push_back(sum += luminances_[static_cast<std::size_t>(y) * columns + x]);
-    row_sums_.push_back(total_ += sum * width * (row_cosine(y) - row_cosine(y + 1)));
+    const auto row = static_cast<std::size_t>(y);
+    row_sums_.push_back(total_ += sum * width * (row_cosines_[row] - row_cosines_[row + 1]));
   }
 }
-
-// Of the angle from `up` to the upper border of a row.
-double EnvironmentMap::row_cosine(int row) const { return std::cos(k_pi * row / image_.height); }
 
 // In pixels, (0, 0) the upper left corner.
 Vec2 EnvironmentMap::place_of(const Vec3& direction) const {
@@ -109,7 +108,7 @@ EnvironmentMap::Sample EnvironmentMap::sample(const Vec2& random) const {
   const auto columns = static_cast<std::size_t>(image_.width);
   const auto [column, across] =
       find_share(std::span<const double>(column_sums_).subspan(row * columns, columns), random.x());
-  const double upper = row_cosine(static_cast<int>(row)), lower = row_cosine(static_cast<int>(row) + 1);
+  const double upper = row_cosines_[row], lower = row_cosines_[row + 1];
   const double height = upper + down * (lower - upper), level = std::sqrt(std::max(0.0, 1 - height * height));
   const double longitude = ((static_cast<double>(column) + across) / image_.width - 0.5) * 2 * k_pi;
   const Vec3 direction = level * (std::cos(longitude) * ahead_ + std::sin(longitude) * right_) + height * up_;

@@ -40,6 +40,21 @@ Rgb PathTracer::drawn_light(const SurfacePoint& point, SampleStream& numbers) co
   return light;
 }
 
+// Where a path ends there is only direct light to find, and the ray goes no farther than it.
+Rgb PathTracer::last_light(const SurfacePoint& point, const ScatterSample& scatter) const {
+  const Vec3 start = point.start.cast<double>();
+  const double reach = lights_.reach(start, scatter.direction);
+  if (reach == 0) return Rgb::Zero();
+  const Ray ray = point.ray_towards(scatter.direction, static_cast<float>(reach));
+  if (!lights_.has_areas()) {
+    return occluded(scene_, ray) ? Rgb(Rgb::Zero())
+                                 : lights_.found(start, scatter.direction, k_no_surface, scatter.density);
+  }
+  Hit hit;
+  const double distance = nearest_hit(scene_, ray, hit) ? static_cast<double>(hit.distance) : k_no_surface;
+  return lights_.found(start, scatter.direction, distance, scatter.density);
+}
+
 Rgb PathTracer::radiance(const Hit& first, const Vec3f& direction, SampleStream& numbers) const {
   const int bounces = options_.transport == LightTransport::path ? options_.max_bounces : 0;
   Rgb light = Rgb::Zero(), throughput = Rgb::Ones();
@@ -57,15 +72,14 @@ Rgb PathTracer::radiance(const Hit& first, const Vec3f& direction, SampleStream&
     throughput = throughput.cwiseProduct(scatter.weight);
     if (throughput.isZero(0)) break;
     const Vec3 start = point.start.cast<double>();
-    const bool is_last = bounce == bounces;
-    // Beyond the last bounce there is only direct light to find.
-    const double reach = is_last ? lights_.reach(start, scatter.direction) : k_no_surface;
-    if (reach == 0) break;
-    const bool met =
-        nearest_hit(scene_, point.ray_towards(scatter.direction, static_cast<float>(reach)), hit);
+    if (bounce == bounces) {
+      light += throughput.cwiseProduct(last_light(point, scatter));
+      break;
+    }
+    const bool met = nearest_hit(scene_, point.ray_towards(scatter.direction), hit);
     const double distance = met ? static_cast<double>(hit.distance) : k_no_surface;
     light += throughput.cwiseProduct(lights_.found(start, scatter.direction, distance, scatter.density));
-    if (!met || is_last || !survives(bounce, numbers.next_pair(), throughput)) break;
+    if (!met || !survives(bounce, numbers.next_pair(), throughput)) break;
     along = scatter.direction.cast<float>();
   }
   return light;

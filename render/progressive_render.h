@@ -9,8 +9,8 @@
 namespace recede {
 
 /// Adds samples to a picture as long as one likes. After n samples the picture has the same bytes, whether
-/// they were added at once or in parts, and for any number of threads. `render` is one of these with
-/// `samples_per_pixel` samples.
+/// they were added at once or in parts, and for any number of threads; they are those of `render` with as
+/// many `samples_per_pixel`.
 class ProgressiveRender {
  public:
   /// The scene must live as long as this. Throws `OptionError` and `InputError` as `render` does.

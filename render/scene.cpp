@@ -122,11 +122,14 @@ void copy_triangles(const PolygonSoup& soup, double scale, double crease_angle, 
 void find_longest_sides(MeshData& mesh) {
   mesh.longest_sides.assign(mesh.positions.size(), 0.0f);
   for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
-    double longest = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      longest = std::max(longest, (mesh.position(triangle[k]) - mesh.position(triangle[(k + 1) % 3])).norm());
+    std::array<Eigen::Vector3f, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = Eigen::Vector3f(mesh.positions[triangle[k]].data());
+    const float squared =
+        std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
+                  (corners[0] - corners[2]).squaredNorm()});
+    const float longest = std::sqrt(squared);
     for (const std::uint32_t vertex : triangle)
-      mesh.longest_sides[vertex] = std::max(mesh.longest_sides[vertex], static_cast<float>(longest));
+      mesh.longest_sides[vertex] = std::max(mesh.longest_sides[vertex], longest);
   }
 }
 

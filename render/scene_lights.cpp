@@ -16,7 +16,7 @@ Lighting daylight(const Vec3& up) {
   constexpr double k_degree = std::numbers::pi / 180;
   Lighting lighting;
   lighting.directionals.push_back({.toward = 0.7 * front - right + 1.2 * y,
-                                   .irradiance = Rgb(2.3f, 2.15f, 1.95f),
+                                   .irradiance = Rgb(2.6f, 2.45f, 2.25f),
                                    .angular_radius = 2.5 * k_degree});
   // Bright above, darker below the horizon.
   constexpr int k_rows = 16;

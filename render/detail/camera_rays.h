@@ -36,5 +36,8 @@ class CameraRays {
 /// Lane of a block's pixel, row by row.
 inline int column_of(int lane) { return lane % k_packet_side; }
 inline int row_of(int lane) { return lane / k_packet_side; }
+inline std::size_t lane_of(int x, int y) {
+  return static_cast<std::size_t>(y % k_packet_side * k_packet_side + x % k_packet_side);
+}
 
 }  // namespace recede::detail

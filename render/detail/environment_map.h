@@ -33,12 +33,12 @@ class EnvironmentMap {
  private:
   Vec2 place_of(const Vec3& direction) const;
   std::size_t texel_of(const Vec3& direction) const;
-  double row_cosine(int row) const;
 
   Image image_;
   Vec3 ahead_, right_, up_;
   bool constant_ = true, visible_ = true;
   double total_ = 0;                 // integral of luminance over the sphere
+  std::vector<double> row_cosines_;  // of the angles from `up` to the borders of rows
   std::vector<double> luminances_;   // by texel
   std::vector<double> row_sums_;     // of that integral, from the upper row down
   std::vector<double> column_sums_;  // of luminances along each row

@@ -21,6 +21,7 @@ class PathTracer {
 
  private:
   Rgb drawn_light(const SurfacePoint& point, SampleStream& numbers) const;
+  Rgb last_light(const SurfacePoint& point, const ScatterSample& scatter) const;
 
   const SceneData& scene_;
   const SceneLights& lights_;

@@ -54,6 +54,7 @@ class SceneLights {
   /// What a camera sees where there is no surface. Nothing: the picture's background.
   std::optional<Rgb> seen_environment(const Vec3& direction) const;
 
+  bool has_areas() const { return !areas_.empty(); }
   double ambient() const { return ambient_; }
 
  private:
