@@ -2,6 +2,7 @@
 #include "measured_radiance.h"
 #include "shapes.h"
 #include <recede/geometry/error.h>
+#include <recede/geometry/sample_models.h>
 #include <recede/render/detail/sample_stream.h>
 
 #include <gtest/gtest.h>
@@ -50,6 +51,23 @@ TEST(PathTracer, AHollowSphereGathersTheSeriesOfItsAlbedo) {
   }
 }
 
+// What scatters all light can't be told from the light around it, however many times a path meets it; a path
+// that slipped through the surface would be caught inside, and come back black. Triangles only: quads that
+// aren't flat have a shading normal of their own, which costs light.
+TEST(PathTracer, WhiteModelsVanishInWhiteLight) {
+  Lighting lighting;
+  lighting.environment = EnvironmentLight{.radiance = Image(1, 1, Rgb::Ones())};
+  for (const PolygonSoup& model :
+       {make_displaced_sphere(20'000, true), triangulated(make_teapot(12, 0.02))}) {
+    const Scene scene = flat(with_albedo(model, 1));
+    const Camera camera = camera_in_front(model.positions, Vec3::UnitZ(), 0.6, 64, 64);
+    RenderOptions options = path_light(lighting, 1000);
+    options.samples_per_pixel = 16;
+    for (const Rgb& pixel : render(scene, camera, options).pixels)
+      EXPECT_NEAR(pixel.x(), 1, 1e-5f) << model.n_faces();
+  }
+}
+
 TEST(PathTracer, ANeighbourColoursWhatItFaces) {
   PolygonSoup wall = make_floor(1, {0, 0, 0});
   for (Vec3& position : wall.positions) position = Vec3(-1, position.y(), 1 + position.x());
@@ -90,7 +108,7 @@ TEST(PathTracer, AllWaysToFindLightHaveTheSameMean) {
       options.light_sampling = sampling;
       seen.push_back(measure_radiance(scene, {2, 1, 4}, {0.2, 0.1, 0}, options, 8192));
     }
-    for (const std::size_t other : {1, 2}) {
+    for (const std::size_t other : {1u, 2u}) {
       const double error = std::hypot(seen[0].standard_error, seen[other].standard_error);
       EXPECT_NEAR(seen[0].mean, seen[other].mean, 4 * error) << bounces << " " << other;
     }
