@@ -1,10 +1,11 @@
 #include "common.h"
+#include "lighting_options.h"
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/lod_selection.h>
 #include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
-#include <recede/render/renderer.h>
+#include <recede/render/progressive_render.h>
 
 #include <fmt/format.h>
 
@@ -18,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class FalseColor { none, level, error };
+enum class FalseColor { none, level, error, samples };
 enum class ChooseBy { error, distance };
 
 struct RenderCommandOptions {
@@ -32,7 +33,8 @@ struct RenderCommandOptions {
   std::optional<double> distance_unit;
   double near_limit = 0;
   int samples = 16;
-  bool wireframe = false, flat = false, no_maps = false;
+  bool wireframe = false, flat = false, no_maps = false, ground = false;
+  LightingOptions lighting;
   FalseColor false_color = FalseColor::none;
   // Of a turntable.
   int frames = 36;
@@ -55,9 +57,15 @@ class Drawn {
     if (options.level && *options.level >= scenes_.size()) {
       throw OptionError(fmt::format("there is no level {}, only {}", *options.level, scenes_.size()));
     }
-    if (scenes_.size() == 1 && options.false_color != FalseColor::none) {
+    if (scenes_.size() == 1 &&
+        (options.false_color == FalseColor::level || options.false_color == FalseColor::error)) {
       throw OptionError(options.input + " has one level, and nothing to show by false colours");
     }
+    if (options.false_color == FalseColor::samples && options.lighting.noise == 0)
+      throw OptionError("without --noise all pixels have the same number of samples");
+    rendering_.samples_per_pixel = options.samples;
+    if (options.wireframe) rendering_.wireframe = Wireframe{};
+    set_lighting(options.lighting, up_direction(options.view.up, options.input), rendering_);
     finest_ = to_soup(hierarchy_.levels[0].mesh);
     if (scenes_.size() > 1) surface_.emplace(finest_.positions, triangulate(finest_));
   }
@@ -81,25 +89,28 @@ class Drawn {
   }
 
   Image draw(const Camera& camera, std::size_t level, Progress* progress) {
-    std::optional<Scene>& scene = scenes_[level];
-    if (!scene) {
-      SceneOptions shading;
-      if (options_.flat) shading.crease_angle = 0;
-      const LodLevel& drawn = hierarchy_.levels[level];
-      PolygonSoup soup = drawn.maps && !options_.no_maps ? dice_surface(*drawn.maps) : to_soup(drawn.mesh);
-      if (options_.false_color == FalseColor::level)
-        paint(soup, [&](const Vec3&) { return level_share(level); });
-      if (options_.false_color == FalseColor::error)
-        paint(soup, [&](const Vec3& p) { return error_share(p); });
-      scene.emplace(soup, shading);
-    }
-    RenderOptions rendering;
-    rendering.samples_per_pixel = options_.samples;
-    if (options_.wireframe) rendering.wireframe = Wireframe{};
-    return render(*scene, camera, rendering, progress);
+    if (options_.false_color != FalseColor::samples)
+      return render(scene_of(level), camera, rendering_, progress);
+    ProgressiveRender picture(scene_of(level), camera, rendering_);
+    picture.add_samples(options_.samples, progress);
+    return heat_map(picture.sample_counts(), options_.samples);
   }
 
  private:
+  const Scene& scene_of(std::size_t level) {
+    std::optional<Scene>& scene = scenes_[level];
+    if (scene) return *scene;
+    SceneOptions shading;
+    if (options_.flat) shading.crease_angle = 0;
+    if (options_.ground) shading.ground = Ground{.up = up_direction(options_.view.up, options_.input)};
+    const LodLevel& drawn = hierarchy_.levels[level];
+    PolygonSoup soup = drawn.maps && !options_.no_maps ? dice_surface(*drawn.maps) : to_soup(drawn.mesh);
+    if (options_.false_color == FalseColor::level)
+      paint(soup, [&](const Vec3&) { return level_share(level); });
+    if (options_.false_color == FalseColor::error) paint(soup, [&](const Vec3& p) { return error_share(p); });
+    return scene.emplace(soup, shading);
+  }
+
   template <typename Share>
   static void paint(PolygonSoup& soup, Share&& share_at) {
     soup.materials.clear();
@@ -124,6 +135,7 @@ class Drawn {
   PolygonSoup finest_;
   std::optional<ClosestPointTree> surface_;
   std::vector<std::optional<Scene>> scenes_;
+  RenderOptions rendering_;
 };
 
 /// Where it was asked to stand, or where the whole model is seen from in front.
@@ -261,8 +273,8 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->check(CLI::NonNegativeNumber)
       ->group(level);
   const auto drawing = "Drawing";
-  command.add_option("--samples", options.samples, "rays for each pixel (16)")
-      ->check(CLI::Range(1, 1024))
+  command.add_option("--samples", options.samples, "rays from the camera for each pixel (16)")
+      ->check(CLI::Range(1, 65536))
       ->group(drawing);
   command.add_flag("--wireframe", options.wireframe, "lines along the sides of polygons")->group(drawing);
   command.add_flag("--no-maps", options.no_maps, "bare levels, without their displacement and normal maps")
@@ -271,11 +283,14 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       .add_option(
           "--false-color", options.false_color,
           "level: dark is the finest; error: distances of vertices from the input, dark is none, light "
-          "the coarsest level's bound")
-      ->transform(one_of<FalseColor>({{"level", FalseColor::level}, {"error", FalseColor::error}}))
-      ->option_text("level|error")
+          "the coarsest level's bound; samples: how many each pixel got of --samples")
+      ->transform(one_of<FalseColor>(
+          {{"level", FalseColor::level}, {"error", FalseColor::error}, {"samples", FalseColor::samples}}))
+      ->option_text("level|error|samples")
       ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
+  command.add_flag("--ground", options.ground, "a wide floor under the model")->group(drawing);
+  add_lighting_options(command, options.lighting);
 }
 
 }  // namespace

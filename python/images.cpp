@@ -1,6 +1,7 @@
 // Pictures of meshes, picture files, and differences of pictures for Python.
 #include "calls.h"
 #include "numpy_arrays.h"
+#include "options.h"
 #include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
@@ -91,9 +92,75 @@ ImageMeasures diff(const py::handle& a, const py::handle& b, const py::handle& m
           compute_flip(first, second, {.pixels_per_degree = pixels_per_degree}, inside)};
 }
 
+Rgb color_of(const py::handle& numbers) { return numbers.cast<Vec3>().cast<float>(); }
+
+/// Tuples by kind of light, as `_lights` of the package makes them.
+Lighting read_lights(const py::dict& from, const Vec3& up) {
+  Lighting lighting;
+  for (const py::handle item : from["point"]) {
+    const auto light = item.cast<py::tuple>();
+    lighting.points.push_back({.position = light[0].cast<Vec3>(), .intensity = color_of(light[1])});
+  }
+  for (const py::handle item : from["directional"]) {
+    const auto light = item.cast<py::tuple>();
+    lighting.directionals.push_back({.toward = light[0].cast<Vec3>(),
+                                     .irradiance = color_of(light[1]),
+                                     .angular_radius = light[2].cast<double>()});
+  }
+  for (const py::handle item : from["area"]) {
+    const auto light = item.cast<py::tuple>();
+    lighting.areas.push_back({.corner = light[0].cast<Vec3>(),
+                              .first_edge = light[1].cast<Vec3>(),
+                              .second_edge = light[2].cast<Vec3>(),
+                              .radiance = color_of(light[3]),
+                              .two_sided = light[4].cast<bool>()});
+  }
+  for (const py::handle item : from["environment"]) {
+    const auto light = item.cast<py::tuple>();
+    lighting.environment = EnvironmentLight{.radiance = image_of(light[0], "the environment"),
+                                            .up = up,
+                                            .rotation = light[1].cast<double>(),
+                                            .scale = light[2].cast<double>(),
+                                            .visible = light[3].cast<bool>()};
+  }
+  return lighting;
+}
+
+RenderOptions read_rendering(const py::dict& from, const Vec3& up) {
+  RenderOptions options;
+  read(from, "samples", options.samples_per_pixel);
+  bool wireframe = false;
+  read(from, "wireframe", wireframe);
+  if (wireframe) options.wireframe = Wireframe{};
+  read_choice<LightTransport>(from, "lighting",
+                              {{"camera", LightTransport::camera},
+                               {"direct", LightTransport::direct},
+                               {"path", LightTransport::path}},
+                              options.transport);
+  read_choice<LightSampling>(
+      from, "light_sampling",
+      {{"both", LightSampling::both}, {"lights", LightSampling::lights}, {"surface", LightSampling::surface}},
+      options.light_sampling);
+  if (options.transport != LightTransport::camera) {
+    options.lighting =
+        from["lights"].is_none() ? daylight(up) : read_lights(from["lights"].cast<py::dict>(), up);
+  }
+  read(from, "ambient", options.lighting.ambient);
+  read(from, "bounces", options.max_bounces);
+  read(from, "noise", options.noise);
+  return options;
+}
+
 py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye, const std::optional<Vec3>& look_at,
-                      const Vec3& up, double field_of_view, int width, int height, int samples,
-                      bool wireframe, bool flat, py::object progress) {
+                      const Vec3& up, double field_of_view, int width, int height, const py::dict& from,
+                      py::object progress) {
+  const RenderOptions options = read_rendering(from, up);
+  SceneOptions shading;
+  bool flat = false, ground = false;
+  read(from, "flat", flat);
+  read(from, "ground", ground);
+  if (flat) shading.crease_angle = 0;
+  if (ground) shading.ground = Ground{.up = up};
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
     Camera camera = camera_in_front(mesh.soup->positions, up, field_of_view, width, height);
     if (eye) {
@@ -101,11 +168,6 @@ py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye, const st
       camera.target = bounding_box(*mesh.soup).center();
     }
     if (look_at) camera.target = *look_at;
-    SceneOptions shading;
-    if (flat) shading.crease_angle = 0;
-    RenderOptions options;
-    options.samples_per_pixel = samples;
-    if (wireframe) options.wireframe = Wireframe{};
     return render(Scene(*mesh.soup, shading), camera, options, p);
   });
   return to_array(image);

@@ -60,11 +60,15 @@ Camera crop_to_middle(const Camera& camera, int width, int height) {
   return crop;
 }
 
-Vec3 view_from_front(const Vec3& up) {
+Vec3 front_of(const Vec3& up) {
   const Vec3 y = up.normalized();
   const Vec3 front = std::abs(y.z()) < 0.9 ? Vec3(Vec3::UnitZ()) : Vec3(-Vec3::UnitY());
-  const Vec3 right = y.cross(front).normalized();
-  return (0.62 * right + 0.5 * y + right.cross(y)).normalized();
+  return y.cross(front).normalized().cross(y);
+}
+
+Vec3 view_from_front(const Vec3& up) {
+  const Vec3 y = up.normalized(), front = front_of(up);
+  return (0.62 * y.cross(front) + 0.5 * y + front).normalized();
 }
 
 Camera orbit(const Camera& camera, double angle) {

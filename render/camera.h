@@ -43,9 +43,11 @@ Camera look_at(const Vec3& center, const Vec3& direction, double distance, const
 /// the pixels lie half a pixel off. Larger sizes show more around it.
 Camera crop_to_middle(const Camera& camera, int width, int height);
 
-/// Towards a camera in front of a model, a little to the right and above: a unit vector. The front is the
-/// axis most across `up` that comes first in the order z, x, y: +z for y up, as glTF has it, and -y for z up,
-/// as CAD and Blender have it.
+/// Where a model's front looks to, a unit vector across `up`: nearest to +z for y up, as glTF has it, and to
+/// -y for z up, as CAD and Blender have it.
+Vec3 front_of(const Vec3& up);
+
+/// Towards a camera in front of a model (`front_of`), a little to the right and above: a unit vector.
 Vec3 view_from_front(const Vec3& up);
 
 /// A picture of `width` x `height` pixels from in front (`view_from_front`) whose shorter side holds all

@@ -2,31 +2,45 @@
 #pragma once
 
 #include <recede/geometry/polygon_mesh.h>
+#include <recede/render/image.h>
 
 #include <memory>
+#include <optional>
+#include <span>
 
 namespace recede {
+
+/// A matt floor that touches the models from below and reaches far beyond what a camera near them sees: a
+/// disc of 64 times their longest side.
+struct Ground {
+  Vec3 up = Vec3::UnitY();  ///< from the floor to the models, any length but 0
+  Rgb color = Rgb::Constant(0.5f);
+};
 
 struct SceneOptions {
   /// Faces whose normals differ by at most this angle (radians) are shaded as one smooth surface where the
   /// input brings no normals. 0: flat facets.
   double crease_angle = 0.698131700797732;  // 40 degrees
+  std::optional<Ground> ground = {};
 };
 
 namespace detail {
 struct SceneData;
 }
 
-/// A surface in Embree. Holds its own copy: the input may go. Its coordinates are taken relative to the
-/// middle of the bounding box and to its longest side before they are rounded to float, so that neither a
-/// model's place nor its size costs detail. Colours are the materials' base colours (light grey where a face
+/// Surfaces in Embree. Holds its own copy: the input may go. Coordinates are taken relative to the middle of
+/// the models' bounding box and to its longest side before they are rounded to float, so that neither their
+/// place nor their size costs detail. Colours are the materials' base colours (light grey where a face
 /// has none) times the vertex colours; opacity and textures are not drawn. Corner normals are used where they
 /// exist and aren't zero.
 class Scene {
  public:
-  /// Throws `InputError` when there are no faces, and `Error` with Embree's reason.
+  /// Throws `InputError` when there are no faces, `OptionError` for a ground without direction, and `Error`
+  /// with Embree's reason.
   explicit Scene(const PolygonSoup& soup, const SceneOptions& options = {});
   explicit Scene(const PolygonMesh& mesh, const SceneOptions& options = {});
+  /// Several models, none of them empty.
+  explicit Scene(std::span<const PolygonSoup> soups, const SceneOptions& options = {});
   ~Scene();
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from math import pi
 from typing import Any, Optional, Union
 
@@ -48,9 +49,9 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "Atlas", "BakedMaps", "BakeResult", "Cancelled", "Distance", "Error", "FileReport", "Geomorph", "ImageDifference",
-    "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError",
-    "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps",
+    "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DirectionalLight", "Distance", "EnvironmentLight",
+    "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material",
+    "Mesh", "OneSidedDistance", "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps",
     "build_progressive", "compare", "diff", "make_atlas", "make_displaced_sphere", "make_teapot", "read",
     "read_image", "render", "set_threads", "simplify", "simplify_levels", "write", "write_image",
 ]
@@ -369,17 +370,115 @@ def make_atlas(mesh: Mesh, *, charts: int | None = None, bend_limit: float | Non
     return _recede.make_atlas(mesh, options, progress)
 
 
+Color = Union[float, Sequence[float]]
+"""One number for all channels, or red, green and blue."""
+
+
+@dataclass(frozen=True)
+class PointLight:
+    """Shines alike in all directions; a surface at distance r that faces it has the irradiance intensity / r^2."""
+
+    position: Sequence[float]
+    intensity: Color = 1.0
+
+
+@dataclass(frozen=True)
+class DirectionalLight:
+    """A sun: `irradiance` is of a surface that faces it, `angular_radius` of its disc, degrees (0: sharp shadows)."""
+
+    toward: Sequence[float]
+    irradiance: Color = 3.0
+    angular_radius: float = 0.0
+
+
+@dataclass(frozen=True)
+class AreaLight:
+    """A parallelogram that shines to where `first_edge` x `second_edge` points, or to both sides."""
+
+    corner: Sequence[float]
+    first_edge: Sequence[float]
+    second_edge: Sequence[float]
+    radiance: Color = 1.0
+    two_sided: bool = False
+
+
+@dataclass(frozen=True)
+class EnvironmentLight:
+    """Light from all around: a path or a picture of all directions, row 0 above, or one colour.
+
+    The middle column is what a camera in front sees behind the mesh. `rotation` is counter-clockwise seen from above,
+    degrees; `scale` multiplies. When not `visible` it lights, but the picture has its plain background.
+    """
+
+    radiance: Union[Path, npt.ArrayLike] = 1.0
+    rotation: float = 0.0
+    scale: float = 1.0
+    visible: bool = True
+
+
+Light = Union[PointLight, DirectionalLight, AreaLight, EnvironmentLight]
+
+
+def _color(color: Any) -> list[float]:
+    values = np.atleast_1d(np.asarray(color, dtype=float))
+    if values.shape not in ((1,), (3,)):
+        raise OptionError("a colour is one number, or red, green and blue")
+    return [float(value) for value in np.broadcast_to(values, 3)]
+
+
+def _environment(light: EnvironmentLight) -> tuple[Any, ...]:
+    picture: Any = light.radiance
+    if not isinstance(picture, (str, os.PathLike)):
+        picture = np.asarray(picture, dtype=np.float32)
+        if picture.ndim < 2:
+            picture = np.array(_color(picture), dtype=np.float32).reshape(1, 1, 3)
+    return picture, light.rotation * pi / 180, light.scale, light.visible
+
+
+def _lights(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
+    sorted_lights: dict[str, list[tuple[Any, ...]]] = {"point": [], "directional": [], "area": [], "environment": []}
+    for light in lights:
+        if isinstance(light, PointLight):
+            sorted_lights["point"].append((light.position, _color(light.intensity)))
+        elif isinstance(light, DirectionalLight):
+            sorted_lights["directional"].append(
+                (light.toward, _color(light.irradiance), light.angular_radius * pi / 180))
+        elif isinstance(light, AreaLight):
+            sorted_lights["area"].append(
+                (light.corner, light.first_edge, light.second_edge, _color(light.radiance), light.two_sided))
+        elif isinstance(light, EnvironmentLight):
+            sorted_lights["environment"].append(_environment(light))
+        else:
+            raise TypeError(f"{light!r} is no light")
+    if len(sorted_lights["environment"]) > 1:
+        raise OptionError("a scene has one environment")
+    return sorted_lights
+
+
 def render(mesh: Mesh, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
            up: Sequence[float] = (0, 1, 0), field_of_view: float = 45, image_width: int = 800, image_height: int = 600,
-           samples: int = 16, wireframe: bool = False, flat: bool = False,
-           progress: Progress | None = None) -> np.ndarray:
+           samples: int = 16, wireframe: bool = False, flat: bool = False, ground: bool = False,
+           lighting: str = "camera", lights: Sequence[Light] | None = None, ambient: float = 0.1, bounces: int = 4,
+           noise: float = 0, light_sampling: str = "both", progress: Progress | None = None) -> np.ndarray:
     """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
 
     Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
-    is vertical, degrees; `samples` are rays for each pixel. Raises `OptionError` for what is out of range.
+    is vertical, degrees; `samples` are rays from the camera for each pixel. `ground` lays a wide floor under the mesh.
+
+    `lighting` is "camera" (lamps that travel with the camera, no shadows), "direct" (`lights` with shadows, and `ambient`
+    for all light that surfaces pass on) or "path" (that light itself, over at most `bounces` surfaces). `lights` are
+    `PointLight`, `DirectionalLight`, `AreaLight` and one `EnvironmentLight`; None: a sun and a soft sky. With `noise`
+    above 0 pixels end before `samples` once their standard error is at most this share of the step from black to white.
+    `light_sampling` ("both", "lights", "surface") changes noise only. See docs/render.md.
+
+    Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read.
     """
-    return _recede.render(mesh, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, samples, wireframe,
-                          flat, progress)
+    if lighting == "camera" and lights is not None:
+        raise OptionError("lights need lighting \"direct\" or \"path\"")
+    options = {"lighting": lighting, "lights": None if lights is None else _lights(lights), "ambient": ambient,
+               "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
+               "wireframe": wireframe, "flat": flat, "ground": ground}
+    return _recede.render(mesh, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)
 
 
 def make_teapot(quads_per_side: int = 40, relief: float = 0.02) -> Mesh:

@@ -12,14 +12,8 @@
 
 namespace recede::detail {
 
-/// Lengths and places are those of the unit box: (object - center) * scale.
-struct SceneData {
-  SceneData() = default;
-  ~SceneData();
-  SceneData(const SceneData&) = delete;
-  SceneData& operator=(const SceneData&) = delete;
-
-  RTCScene scene = nullptr;
+/// A mesh in Embree. Lengths and places are those of the scaled scene.
+struct MeshData {
   std::vector<std::array<float, 4>> positions;  ///< the fourth is padding: Embree reads 16 bytes
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Eigen::Vector3f> corner_normals;  ///< three a triangle, on the side of its front; or (0,0,0)
@@ -28,10 +22,29 @@ struct SceneData {
   /// Bit k: the side from vertex k to vertex k + 1 is a side of the polygon, not a diagonal.
   std::vector<std::uint8_t> polygon_sides;
   std::vector<float> polygon_areas;  ///< of the polygon that the triangle belongs to
+  std::vector<float> longest_sides;  ///< of the triangles at each vertex
+
+  Vec3 position(std::uint32_t vertex) const {
+    return Eigen::Vector3f(positions[vertex].data()).cast<double>();
+  }
+};
+
+/// Lengths and places are those of the scaled scene, whose models fill the unit box: (object - center) *
+/// scale.
+struct SceneData {
+  SceneData() = default;
+  ~SceneData();
+  SceneData(const SceneData&) = delete;
+  SceneData& operator=(const SceneData&) = delete;
+
+  RTCScene scene = nullptr;
+  std::vector<MeshData> meshes;  ///< by Embree's number of the geometry
 
   Vec3 center = Vec3::Zero();
   double scale = 1;
   double radius = 0;  ///< of a sphere around the origin that holds all positions
+
+  Vec3 scaled(const Vec3& object) const { return (object - center) * scale; }
 };
 
 }  // namespace recede::detail

@@ -1,6 +1,10 @@
 // `recede render` and `recede turntable` on meshes and on what `recede bake` wrote.
 #include "run_recede.h"
 #include <recede/geometry/raster.h>
+#include <recede/render/image_io.h>
+#include <recede/render/renderer.h>
+
+#include <limits>
 
 namespace recede::test {
 namespace {
@@ -121,6 +125,100 @@ TEST(RenderCommand, ChoosesLevelsByTheShareOfTheirFaces) {
   EXPECT_EQ(level("8"), 1);
   EXPECT_EQ(level("30"), 2);
   EXPECT_EQ(level("1.2", "1"), 2);
+}
+
+/// A small picture of a sphere, whose options are given.
+json draw_sphere(const TempFolder& folder, const std::string& file, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{
+      "render", write_sphere(folder, 200), "-o", folder / file, "--image-width",
+      "24",     "--image-height",          "24", "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return json_of(run_recede(arguments));
+}
+
+TEST(RenderCommand, LightsTheSceneByItsOwnLights) {
+  const TempFolder folder;
+  const auto picture = [&](const std::vector<std::string>& more) {
+    draw_sphere(folder, "a.exr", more);
+    return read_image(folder / "a.exr");
+  };
+  const Image camera = picture({}), path = picture({"--lighting", "path", "--ground"});
+  EXPECT_FALSE(path.pixels == camera.pixels);
+  EXPECT_TRUE(path.pixels == picture({"--lighting", "path", "--ground", "--threads", "1"}).pixels);
+  EXPECT_FALSE(path.pixels == picture({"--lighting", "path", "--ground", "--bounces", "0"}).pixels);
+  // A lamp without blue leaves nothing blue.
+  const Image lamps = picture({"--lighting", "direct", "--ambient", "0", "--lamp", "0", "0", "3", "2", "1",
+                               "0", "--lamp", "3", "3", "3", "2", "1", "0"});
+  EXPECT_EQ(lamps.at(12, 12).z(), 0);
+  EXPECT_NEAR(lamps.at(12, 12).x(), 2 * lamps.at(12, 12).y(), 1e-5f);
+  const Image area = picture({"--lighting", "direct", "--ambient", "0", "--area", "-1", "-1", "3", "0", "2",
+                              "0", "2", "0", "0", "0", "0", "5", "--light-sampling", "lights"});
+  EXPECT_GT(area.at(12, 12).z(), 0.1f);
+  EXPECT_EQ(area.at(12, 12).x(), 0);
+  const Image sun = picture({"--lighting", "direct", "--ambient", "0", "--sun", "0", "0", "-1", "--sun-color",
+                             "9", "9", "9", "--sun-size", "0"});
+  EXPECT_EQ(sun.at(12, 12).x(), 0) << "it shines from behind";
+}
+
+TEST(RenderCommand, LightsTheSceneByAPictureOfDirections) {
+  const TempFolder folder;
+  const std::string sky = folder / "sky.exr";
+  write_image(sky, Image(4, 2, Rgb(0.5f, 0.25f, 0.125f)));
+  const auto corner = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"--lighting", "path", "--environment", sky};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    draw_sphere(folder, "a.exr", arguments);
+    return read_image(folder / "a.exr").at(0, 0);
+  };
+  EXPECT_TRUE(corner({}).isApprox(Rgb(0.5f, 0.25f, 0.125f), 1e-6f));
+  EXPECT_TRUE(corner({"--environment-scale", "2", "--environment-rotation", "90"})
+                  .isApprox(Rgb(1, 0.5f, 0.25f), 1e-6f));
+  EXPECT_TRUE(corner({"--hide-environment"}).isApprox(RenderOptions{}.background));
+  Image broken(4, 2);
+  broken.at(3, 1).x() = std::numeric_limits<float>::infinity();
+  write_image(sky, broken);
+  const std::string complaint = complaint_of(
+      run_recede({"render", "sphere", "-o", folder / "b.png", "--lighting", "path", "--environment", sky}),
+      1);
+  EXPECT_THAT(complaint, HasSubstr("sky.exr"));
+  EXPECT_THAT(complaint, HasSubstr("column 3, row 1"));
+}
+
+TEST(RenderCommand, ShowsWhereSamplesWent) {
+  const TempFolder folder;
+  draw_sphere(folder, "a.png",
+              {"--lighting", "path", "--noise", "0.02", "--samples", "256", "--false-color", "samples"});
+  const Raster picture = read_png(folder / "a.png");
+  const auto brightness = [&](int x, int y) {
+    return picture.at(x, y, 0) + picture.at(x, y, 1) + picture.at(x, y, 2);
+  };
+  EXPECT_LT(brightness(0, 0), brightness(12, 18)) << "the background needs fewest";
+}
+
+TEST(RenderCommand, RefusesLightsThatCannotBe) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 100), out = folder / "a.png";
+  const auto complaint = [&](const std::vector<std::string>& more, int code = 2) {
+    std::vector<std::string> arguments{"render", sphere, "-o", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return complaint_of(run_recede(arguments), code);
+  };
+  EXPECT_THAT(complaint({"--sun", "0", "1", "0"}), HasSubstr("--sun needs --lighting"));
+  EXPECT_THAT(complaint({"--bounces", "2"}), HasSubstr("--bounces needs --lighting"));
+  EXPECT_THAT(complaint({"--lighting", "moon"}), HasSubstr("--lighting"));
+  EXPECT_THAT(complaint({"--lighting", "path", "--sun", "0", "0", "0"}), HasSubstr("direction"));
+  EXPECT_THAT(complaint({"--lighting", "path", "--lamp", "0", "0", "0", "1", "-1", "0"}),
+              HasSubstr("intensity"));
+  EXPECT_THAT(complaint({"--lighting", "path", "--lamp", "0", "0", "0"}), HasSubstr("--lamp"));
+  EXPECT_THAT(
+      complaint({"--lighting", "path", "--area", "0", "0", "0", "1", "0", "0", "1", "0", "0", "1", "1", "1"}),
+      HasSubstr("area"));
+  EXPECT_THAT(complaint({"--lighting", "path", "--environment", folder / "no.exr"}, 1), HasSubstr("no.exr"));
+  EXPECT_THAT(complaint({"--lighting", "path", "--environment-scale", "2"}), HasSubstr("--environment"));
+  EXPECT_THAT(complaint({"--lighting", "path", "--bounces", "-1"}), HasSubstr("--bounces"));
+  EXPECT_THAT(complaint({"--samples", "2000"}), HasSubstr("1024"));
+  EXPECT_THAT(complaint({"--false-color", "samples"}), HasSubstr("--noise"));
+  EXPECT_FALSE(std::filesystem::exists(out));
 }
 
 TEST(RenderCommand, SetsTheTeapotUpright) {

@@ -396,6 +396,34 @@ def test_a_picture_shows_the_mesh(sphere):
         recede.render(sphere, eye=(0, 0, 1), look_at=(0, 0, 1))
 
 
+def test_a_picture_has_lights_of_the_scene(sphere, tmp_path):
+    def picture(**options):
+        return recede.render(sphere, image_width=40, image_height=30, samples=4, **options)
+
+    path = picture(lighting="path", ground=True)
+    assert np.isfinite(path).all() and not np.array_equal(path, picture(ground=True))
+    assert np.array_equal(path, picture(lighting="path", ground=True))
+    lamp = picture(lighting="direct", ambient=0, lights=[recede.PointLight((0, 0, 3), (2, 1, 0))])
+    assert np.allclose(lamp[15, 20, 0], 2 * lamp[15, 20, 1]) and lamp[15, 20, 2] == 0
+    one_of_each = [recede.DirectionalLight((0, 1, 1), angular_radius=3), recede.AreaLight((0, 2, 0), (1, 0, 0), (0, 0, 1)),
+                   recede.EnvironmentLight(np.full((2, 4, 3), 0.5), visible=False), recede.PointLight((3, 3, 3))]
+    assert picture(lighting="path", lights=one_of_each, bounces=1, noise=0.1).max() > 0.1
+    recede.write_image(tmp_path / "sky.exr", np.full((4, 8, 3), 0.25, dtype=np.float32))
+    sky = picture(lighting="path", bounces=0, lights=[recede.EnvironmentLight(tmp_path / "sky.exr", scale=2)])
+    assert np.allclose(sky[0, 0], 0.5)
+    assert np.allclose(sky, picture(lighting="path", bounces=0, lights=[recede.EnvironmentLight(0.5)]))
+    for wrong in ({"lighting": "moon"}, {"lights": []}, {"lighting": "path", "bounces": -1},
+                  {"lighting": "path", "lights": [recede.PointLight((0, 0, 0), (1, 2))]},
+                  {"lighting": "path", "lights": [recede.DirectionalLight((0, 0, 0))]},
+                  {"lighting": "path", "lights": [recede.EnvironmentLight()] * 2}):
+        with pytest.raises(recede.OptionError):
+            picture(**wrong)
+    with pytest.raises(TypeError):
+        picture(lighting="path", lights=["sun"])
+    with pytest.raises(recede.InputError, match="nowhere"):
+        picture(lighting="path", lights=[recede.EnvironmentLight(tmp_path / "nowhere.exr")])
+
+
 def test_a_geomorph_ends_at_two_levels(sphere, tmp_path):
     progressive = recede.build_progressive(sphere, ratio=0.05, prove_error=False)
     coarse = progressive.level(faces=1000)

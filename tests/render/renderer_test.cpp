@@ -21,7 +21,8 @@ Camera front_camera(double distance, int side) {
 RenderOptions head_light() {
   RenderOptions options;
   options.background = Rgb::Zero();
-  options.light = {.toward = Vec3::UnitZ(), .lamp = Rgb::Ones(), .sky = Rgb::Zero(), .ground = Rgb::Zero()};
+  options.camera_light = {
+      .toward = Vec3::UnitZ(), .lamp = Rgb::Ones(), .sky = Rgb::Zero(), .ground = Rgb::Zero()};
   return options;
 }
 
@@ -40,8 +41,8 @@ double covered_pixels(const Image& image) {
 
 RenderOptions silhouette() {
   RenderOptions options = head_light();
-  options.light.lamp = Rgb::Zero();
-  options.light.sky = options.light.ground = Rgb::Ones();
+  options.camera_light.lamp = Rgb::Zero();
+  options.camera_light.sky = options.camera_light.ground = Rgb::Ones();
   options.samples_per_pixel = 16;
   return options;
 }

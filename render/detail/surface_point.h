@@ -1,0 +1,53 @@
+// What shading knows of a place on a surface, and how the surface scatters light: the one place for both.
+#pragma once
+
+#include <recede/render/detail/tracing.h>
+
+namespace recede::detail {
+
+/// How a surface looks where a ray hits it.
+struct SurfaceLook {
+  Vec3f normal;  ///< unit, for shading; turned to the side that is seen
+  Rgb albedo;    ///< share of the light that it scatters back
+};
+
+/// `direction` is the ray's.
+SurfaceLook look_of(const SceneData& scene, const Hit& hit, const Vec3f& direction);
+
+/// Where a ray hits a surface; lengths of the scaled scene.
+struct SurfacePoint {
+  SurfacePart part;
+  Vec3 position;          ///< on the triangle between the corners as Embree has them
+  Vec3f start;            ///< for rays that leave: off the surface by a bound of the rounding
+  Vec3 geometric_normal;  ///< unit, towards the side that is seen
+  Vec3 normal;            ///< unit, for shading
+  Rgb albedo;
+
+  /// A ray from here, which must lead to the side that is seen.
+  Ray ray_towards(const Vec3& direction, float length = std::numeric_limits<float>::infinity()) const {
+    return {start, direction.cast<float>(), length, part};
+  }
+};
+
+/// Turns a hit into what shading needs. `direction` is the ray's.
+SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction);
+
+/// Radiance that the surface sends to the viewer per radiance that comes from a unit direction, per solid
+/// angle: the BRDF times the cosine. Nothing from below the geometric horizon: a shading normal must not let
+/// light shine through the surface.
+Rgb scattered(const SurfacePoint& point, const Vec3& toward);
+
+/// A direction drawn in proportion to how the surface scatters.
+struct ScatterSample {
+  Vec3 direction;
+  double density = 0;  ///< per solid angle
+  Rgb weight;          ///< `scattered` over the density
+};
+
+/// False: the drawn direction leads nowhere, and counts as black.
+bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSample& sample);
+
+/// The density with which `sample_scattering` draws a direction.
+double scattering_density(const SurfacePoint& point, const Vec3& toward);
+
+}  // namespace recede::detail

@@ -1,0 +1,63 @@
+// Rays against a scene. All tracing goes through here, so that what a ray carries along stands in one place.
+#pragma once
+
+#include <recede/render/detail/scene_data.h>
+
+#include <cstdint>
+#include <limits>
+
+namespace recede::detail {
+
+using Vec3f = Eigen::Vector3f;
+
+/// A part of a surface that Embree knows by number.
+struct SurfacePart {
+  std::uint32_t object = RTC_INVALID_GEOMETRY_ID;  ///< among `SceneData::meshes`
+  std::uint32_t primitive = RTC_INVALID_GEOMETRY_ID;
+};
+
+/// In the scaled scene.
+struct Ray {
+  Vec3f origin, direction;  ///< unit
+  float length = std::numeric_limits<float>::infinity();
+  /// Where it starts: flat, so it can't meet it again, whatever rounding says.
+  SurfacePart from = {};
+};
+
+struct Hit {
+  SurfacePart part;
+  float u = 0, v = 0;    ///< weights of the triangle's second and third corner
+  float distance = 0;    ///< along the ray
+  Vec3f front{0, 0, 0};  ///< normal on the side from which corners run counter-clockwise, any length
+};
+
+/// The first surface along the ray. False: none.
+bool nearest_hit(const SceneData& scene, const Ray& ray, Hit& hit);
+
+/// Whether a surface is in the way.
+bool occluded(const SceneData& scene, const Ray& ray);
+
+inline constexpr int k_packet_side = 4;  ///< a packet holds rays of 4 x 4 neighbouring pixels
+inline constexpr int k_lanes = k_packet_side * k_packet_side;
+
+/// Rays that run side by side.
+struct RayPacket {
+  alignas(64) int active[k_lanes];  ///< -1, or 0 for lanes that stay idle
+  alignas(64) RTCRayHit16 rays;
+  Vec3f directions[k_lanes];
+  float entry[k_lanes];  ///< from the camera to the ray's origin, units of the scaled scene
+
+  bool hits(int lane) const { return active[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID; }
+  Hit hit(int lane) const {
+    return {{rays.hit.geomID[lane], rays.hit.primID[lane]},
+            rays.hit.u[lane],
+            rays.hit.v[lane],
+            rays.ray.tfar[lane],
+            Vec3f(rays.hit.Ng_x[lane], rays.hit.Ng_y[lane], rays.hit.Ng_z[lane])};
+  }
+};
+
+/// `nearest_hit` of all active lanes.
+void nearest_hits(const SceneData& scene, RayPacket& packet);
+
+}  // namespace recede::detail

@@ -1,0 +1,108 @@
+#include <recede/render/detail/picture_tracer.h>
+#include <recede/render/detail/wireframe.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace recede::detail {
+
+namespace {
+
+// Samples (i + 1/2, j(i) + 1/2) / n with j(i) = i g mod n: a lattice that meets each of n columns and n rows
+// once. Steps near the golden section keep the points apart.
+std::vector<Vec2> sample_pattern(int count) {
+  int step = std::max(1, static_cast<int>(std::lround(0.6180339887 * count)));
+  while (std::gcd(step, count) != 1) ++step;
+  std::vector<Vec2> pattern;
+  for (int i = 0; i < count; ++i)
+    pattern.push_back((Vec2(i, (i * step) % count) + Vec2::Constant(0.5)) / count);
+  return pattern;
+}
+
+// Light near the largest number that a float holds must not turn into infinity in sums of squares.
+constexpr float k_most_light = 1e18f;
+
+}  // namespace
+
+PictureTracer::PictureTracer(const SceneData& scene, const Camera& camera, const RenderOptions& options)
+    : scene_(scene), options_(options), rays_(scene, camera) {
+  if (options.transport == LightTransport::camera) {
+    const CameraFrame& frame = rays_.frame();
+    const Vec3& lamp = options.camera_light.toward;
+    toward_lamp_ =
+        (lamp.x() * frame.right + lamp.y() * frame.up - lamp.z() * frame.forward).normalized().cast<float>();
+    up_ = frame.up.cast<float>();
+    pattern_ = sample_pattern(options.samples_per_pixel);
+  } else {
+    lights_.emplace(options.lighting, scene, options.light_sampling);
+    paths_.emplace(scene, *lights_, options);
+  }
+}
+
+Rgb PictureTracer::camera_light_on(const Vec3f& normal) const {
+  const CameraLight& light = options_.camera_light;
+  const float upward = 0.5f + 0.5f * normal.dot(up_);
+  return light.lamp * std::max(0.0f, normal.dot(toward_lamp_)) + light.ground +
+         upward * (light.sky - light.ground);
+}
+
+float PictureTracer::line_factor_at(const RayPacket& packet, int lane, const Hit& hit) const {
+  const float pixel = (packet.entry[lane] + hit.distance) * static_cast<float>(rays_.frame().pixel);
+  return line_factor(scene_.meshes[hit.part.object], *options_.wireframe, hit, packet.directions[lane],
+                     pixel);
+}
+
+void PictureTracer::sample_block(int left, int top, int sample, BlockColors& colors) const {
+  if (lights_) return sample_by_scene_light(left, top, sample, colors);
+  sample_by_camera_light(left, top, sample, colors);
+}
+
+void PictureTracer::sample_by_camera_light(int left, int top, int sample, BlockColors& colors) const {
+  CameraRays::Places places;
+  places.fill(pattern_[static_cast<std::size_t>(sample) % pattern_.size()]);
+  RayPacket packet;
+  rays_.aim(left, top, places, packet);
+  nearest_hits(scene_, packet);
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    Rgb color = options_.background;
+    if (packet.hits(lane)) {
+      const Hit hit = packet.hit(lane);
+      const SurfaceLook look = look_of(scene_, hit, packet.directions[lane]);
+      color = look.albedo.cwiseProduct(camera_light_on(look.normal));
+      if (options_.wireframe) color *= line_factor_at(packet, lane, hit);
+    }
+    colors.set(lane, color);
+  }
+}
+
+void PictureTracer::sample_by_scene_light(int left, int top, int sample, BlockColors& colors) const {
+  std::array<SampleStream, k_lanes> numbers;
+  CameraRays::Places places;
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    const auto i = static_cast<std::size_t>(lane);
+    numbers[i] = SampleStream(left + column_of(lane), top + row_of(lane), static_cast<std::uint32_t>(sample));
+    places[i] = numbers[i].next_pair();
+  }
+  RayPacket packet;
+  rays_.aim(left, top, places, packet);
+  nearest_hits(scene_, packet);
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    const Vec3 direction = packet.directions[lane].cast<double>();
+    double distance = std::numeric_limits<double>::infinity();
+    Rgb color;
+    if (packet.hits(lane)) {
+      const Hit hit = packet.hit(lane);
+      distance = static_cast<double>(packet.entry[lane]) + static_cast<double>(hit.distance);
+      color = paths_->radiance(hit, packet.directions[lane], numbers[static_cast<std::size_t>(lane)]);
+      if (options_.wireframe) color *= line_factor_at(packet, lane, hit);
+    } else {
+      color = lights_->seen_environment(direction).value_or(options_.background);
+    }
+    color += lights_->seen(rays_.eye(), direction, distance);
+    colors.set(lane, color.cwiseMin(k_most_light));
+  }
+}
+
+}  // namespace recede::detail

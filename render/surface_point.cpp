@@ -1,0 +1,106 @@
+#include <recede/render/detail/surface_point.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace recede::detail {
+
+namespace {
+
+/// Two unit vectors that complete a unit vector to a right-handed frame (Duff et al. 2017, "Building an
+/// Orthonormal Basis, Revisited").
+std::array<Vec3, 2> tangents_of(const Vec3& normal) {
+  const double sign = std::copysign(1.0, normal.z());
+  const double a = -1 / (sign + normal.z()), b = normal.x() * normal.y() * a;
+  return {Vec3(1 + sign * normal.x() * normal.x() * a, sign * b, -sign * normal.x()),
+          Vec3(b, sign + normal.y() * normal.y() * a, -normal.y())};
+}
+
+/// How far a ray's origin must lie off a triangle so that rounding puts it on no wrong side of it or of its
+/// neighbours. With the largest coordinate m, the longest side s around and the unit e = 2^-24 of rounding:
+/// - the origin is rounded to float, by e m in each coordinate, sqrt(3) e m along a normal;
+/// - Embree takes the corners relative to the origin (e s at most, as both are near), the normal from
+///   products of sides (2 e s^2 in each coordinate, over the normal's own length of about s^2) and the
+///   distance as a sum of three products (3 e s): less than 16 e s together, with sqrt(3) for three
+///   coordinates.
+/// Flat triangles can be off by more, since their normal is short; but no ray meets the one it starts on.
+double rounding_bound(const MeshData& mesh, std::uint32_t triangle, const Vec3& position) {
+  constexpr double k_unit = 0x1p-24;
+  double side = 0;
+  for (const std::uint32_t vertex : mesh.triangles[triangle])
+    side = std::max(side, static_cast<double>(mesh.longest_sides[vertex]));
+  return k_unit * (2 * position.cwiseAbs().maxCoeff() + 16 * side);
+}
+
+}  // namespace
+
+SurfaceLook look_of(const SceneData& scene, const Hit& hit, const Vec3f& direction) {
+  const MeshData& mesh = scene.meshes[hit.part.object];
+  const std::uint32_t triangle = hit.part.primitive;
+  const Vec3f weights(1 - hit.u - hit.v, hit.u, hit.v);
+  SurfaceLook look{Vec3f::Zero(), mesh.triangle_colors[triangle]};
+  for (std::size_t k = 0; k < 3; ++k)
+    look.normal += weights[static_cast<int>(k)] * mesh.corner_normals[3 * triangle + k];
+  // Those of the corners are unit, or nothing.
+  const float squared = look.normal.squaredNorm();
+  look.normal =
+      squared < 1e-12f ? Vec3f(hit.front.stableNormalized()) : Vec3f(look.normal / std::sqrt(squared));
+  if (hit.front.dot(direction) > 0) look.normal = -look.normal;
+  if (!mesh.vertex_colors.empty()) {
+    Rgb factor = Rgb::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      factor += weights[static_cast<int>(k)] * mesh.vertex_colors[mesh.triangles[triangle][k]];
+    look.albedo = look.albedo.cwiseProduct(factor);
+  }
+  return look;
+}
+
+SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction) {
+  const MeshData& mesh = scene.meshes[hit.part.object];
+  const std::array<std::uint32_t, 3>& vertices = mesh.triangles[hit.part.primitive];
+  const std::array<Vec3, 3> corners{mesh.position(vertices[0]), mesh.position(vertices[1]),
+                                    mesh.position(vertices[2])};
+  const SurfaceLook look = look_of(scene, hit, direction);
+  SurfacePoint point;
+  point.part = hit.part;
+  const double u = static_cast<double>(hit.u), v = static_cast<double>(hit.v);
+  const Vec3 first = corners[1] - corners[0], second = corners[2] - corners[0];
+  point.position = corners[0] + u * first + v * second;
+  const Vec3 ray = direction.cast<double>();
+  point.geometric_normal = first.cross(second).stableNormalized();
+  // Of a triangle without area: any normal that is seen.
+  if (!(point.geometric_normal.squaredNorm() > 0.5)) point.geometric_normal = -ray.normalized();
+  if (point.geometric_normal.dot(ray) > 0) point.geometric_normal = -point.geometric_normal;
+  point.normal = look.normal.cast<double>().stableNormalized();
+  if (!(point.normal.squaredNorm() > 0.5)) point.normal = point.geometric_normal;
+  point.albedo = look.albedo;
+  const double off = rounding_bound(mesh, hit.part.primitive, point.position);
+  point.start = (point.position + off * point.geometric_normal).cast<float>();
+  return point;
+}
+
+Rgb scattered(const SurfacePoint& point, const Vec3& toward) {
+  const double cosine = point.normal.dot(toward);
+  if (!(cosine > 0) || !(point.geometric_normal.dot(toward) > 0)) return Rgb::Zero();
+  return static_cast<float>(cosine / std::numbers::pi) * point.albedo;
+}
+
+bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSample& sample) {
+  // A disc filled evenly and lifted to the hemisphere has the density of the cosine.
+  const double radius = std::sqrt(random.x()), angle = 2 * std::numbers::pi * random.y();
+  const double cosine = std::sqrt(1 - random.x());
+  const std::array<Vec3, 2> tangents = tangents_of(point.normal);
+  sample.direction = (radius * std::cos(angle) * tangents[0] + radius * std::sin(angle) * tangents[1] +
+                      cosine * point.normal)
+                         .normalized();
+  sample.density = cosine / std::numbers::pi;
+  sample.weight = point.albedo;
+  return cosine > 0 && point.geometric_normal.dot(sample.direction) > 0;
+}
+
+double scattering_density(const SurfacePoint& point, const Vec3& toward) {
+  return std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
+}
+
+}  // namespace recede::detail

@@ -1,0 +1,78 @@
+#include <recede/render/detail/tracing.h>
+
+namespace recede::detail {
+
+namespace {
+
+/// What Embree hands on to filters.
+struct RayContext {
+  RTCIntersectContext embree;  // first, as Embree sees no more than this
+  SurfacePart from;
+};
+
+/// Refuses the part on which the ray starts.
+void refuse_start(const RTCFilterFunctionNArguments* arguments) {
+  const SurfacePart& from = reinterpret_cast<const RayContext*>(arguments->context)->from;
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (RTCHitN_geomID(arguments->hit, arguments->N, i) == from.object &&
+        RTCHitN_primID(arguments->hit, arguments->N, i) == from.primitive)
+      arguments->valid[i] = 0;
+  }
+}
+
+RayContext context_of(const Ray& ray) {
+  RayContext context;
+  rtcInitIntersectContext(&context.embree);
+  context.from = ray.from;
+  if (ray.from.object != RTC_INVALID_GEOMETRY_ID) context.embree.filter = refuse_start;
+  return context;
+}
+
+RTCRay embree_ray(const Ray& ray) {
+  RTCRay embree{};
+  embree.org_x = ray.origin.x();
+  embree.org_y = ray.origin.y();
+  embree.org_z = ray.origin.z();
+  embree.dir_x = ray.direction.x();
+  embree.dir_y = ray.direction.y();
+  embree.dir_z = ray.direction.z();
+  embree.tfar = ray.length;
+  embree.mask = 0xffffffffu;
+  return embree;
+}
+
+}  // namespace
+
+bool nearest_hit(const SceneData& scene, const Ray& ray, Hit& hit) {
+  RayContext context = context_of(ray);
+  RTCRayHit found{};
+  found.ray = embree_ray(ray);
+  found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene.scene, &context.embree, &found);
+  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit = {{found.hit.geomID, found.hit.primID},
+         found.hit.u,
+         found.hit.v,
+         found.ray.tfar,
+         Vec3f(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z)};
+  return true;
+}
+
+bool occluded(const SceneData& scene, const Ray& ray) {
+  RayContext context = context_of(ray);
+  RTCRay embree = embree_ray(ray);
+  rtcOccluded1(scene.scene, &context.embree, &embree);
+  return embree.tfar < 0;
+}
+
+void nearest_hits(const SceneData& scene, RayPacket& packet) {
+  bool any = false;
+  for (const int active : packet.active) any |= active != 0;
+  if (!any) return;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(packet.active, scene.scene, &context, &packet.rays);
+}
+
+}  // namespace recede::detail
