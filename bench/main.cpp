@@ -1,5 +1,6 @@
 // recede_bench: simplification measured, ours beside the peers, on the same inputs in one run.
 #include "bench_report.h"
+#include "dicing_run.h"
 #include "hard_case_run.h"
 #include "progressive_run.h"
 #include "round_trips.h"
@@ -18,7 +19,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "folder for results.csv, results.md and the plots (out/bench)");
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
-  bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false;
+  bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false, dicing = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
                "instead, progressive meshes beside OpenMesh's, textures, charts and maps");
   app.add_flag("--round-trips", round_trips,
                "instead, progressive meshes of every model in the folder, into files and back");
+  app.add_flag("--dicing", dicing, "instead, displaced surfaces diced for views");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
   app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
@@ -38,6 +40,10 @@ int main(int argc, char** argv) {
     }
     if (progressive) {
       fmt::print("{}", recede::bench::progressive_tables(recede::bench::run_progressive(options)));
+      return 0;
+    }
+    if (dicing) {
+      fmt::print("{}", recede::bench::dicing_tables(options));
       return 0;
     }
     if (same_bytes) {

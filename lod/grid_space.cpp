@@ -13,7 +13,15 @@ namespace {
 /// depth.
 constexpr double k_most_voxels = 1 << 20;
 /// Edges of more voxels are halved: patches stay small enough for caches, and are enough for all cores.
-constexpr double k_longest_edge = 256;
+constexpr std::int32_t k_longest_edge = 256;
+/// Edges of so few are too short for their pieces to differ.
+constexpr std::int32_t k_few_voxels = 4;
+/// A point outside of the pyramid of view counts as this many times farther as it is beyond it: what lies
+/// behind the eye is some eight times coarser than what is seen as far away.
+constexpr double k_coarser = 8;
+/// Points move into the picture from beside it, but those that are farther beside it than this share of their
+/// distance aren't made finer for that: near the eye everything may move before it.
+constexpr double k_slack = 0.25;
 
 void check(const RemeshView& view, double voxel_pixels, double nearest) {
   const auto require = [](bool holds, const char* what) {
@@ -32,8 +40,8 @@ void check(const RemeshView& view, double voxel_pixels, double nearest) {
 
 }  // namespace
 
-GridSpace::GridSpace(const RemeshView& view, double voxel_pixels, double nearest)
-    : eye_(view.position), nearest_(nearest) {
+GridSpace::GridSpace(const RemeshView& view, double voxel_pixels, double nearest, double reach)
+    : eye_(view.position), nearest_(nearest), reach_(reach) {
   check(view, voxel_pixels, nearest);
   forward_ = (view.target - view.position).normalized();
   const Vec3 right = forward_.cross(view.up);
@@ -47,11 +55,8 @@ GridSpace::GridSpace(const RemeshView& view, double voxel_pixels, double nearest
   log_step_ = std::log1p(2 * half / view.height) * voxel_pixels;
   middle_ = Vec2(view.width, view.height) / (2 * voxel_pixels);
   tangent_ = Vec2(half * view.width / view.height, half);
-  // Half a picture around the picture is diced as finely as the picture itself.
-  const double beyond = middle_.maxCoeff();
-  least_ = Vec2::Constant(-beyond);
-  largest_ = 2 * middle_ + Vec2::Constant(beyond);
-  if (!(largest_.maxCoeff() < k_most_voxels) || !(1 / log_step_ < k_most_voxels)) {
+  least_share_ = 0.5 / std::sqrt(1 + tangent_.squaredNorm());  // half that in the picture's corners
+  if (!(2 * middle_.maxCoeff() < k_most_voxels) || !(1 / log_step_ < k_most_voxels)) {
     throw OptionError("the triangles are too small for the image: more than a million across");
   }
 }
@@ -60,34 +65,39 @@ ViewPoint GridSpace::view(const Vec3& point) const {
   const Vec3 from_eye = point - eye_;
   const double x = from_eye.dot(right_), y = from_eye.dot(down_), z = from_eye.dot(forward_);
   ViewPoint seen;
-  seen.depth = std::max(z, nearest_);
+  seen.from_eye = from_eye;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const double side = axis == 0 ? x : y, tangent = tangent_[static_cast<Eigen::Index>(axis)];
+    const double slant = std::hypot(1.0, tangent);
+    seen.beyond[2 * axis] = (-side - z * tangent) / slant;
+    seen.beyond[2 * axis + 1] = (side - z * tangent) / slant;
+  }
+  seen.beyond[4] = -z;
+  const double distance = from_eye.norm();
+  seen.slack = std::min(reach_, k_slack * distance);
+  seen.true_depth = std::max({nearest_, z, least_share_ * distance});
+  const double outside = *std::max_element(seen.beyond.begin(), seen.beyond.end()) - seen.slack;
+  seen.depth = seen.true_depth + k_coarser * std::max(0.0, outside);
   seen.grid = {middle_.x() + x / (seen.depth * voxel_), middle_.y() + y / (seen.depth * voxel_),
                steps_to(seen.depth)};
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    const auto k = static_cast<Eigen::Index>(axis);
-    seen.voxel[axis] = static_cast<std::int32_t>(rounded(std::clamp(seen.grid[k], least_[k], largest_[k])));
-    const double side = axis == 0 ? x : y, slant = std::hypot(1.0, tangent_[k]);
-    seen.beyond[2 * axis] = (-side - z * tangent_[k]) / slant;
-    seen.beyond[2 * axis + 1] = (side - z * tangent_[k]) / slant;
-  }
-  seen.voxel[2] = static_cast<std::int32_t>(rounded(seen.grid.z()));
-  seen.beyond[4] = -z;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    seen.voxel[axis] = static_cast<std::int32_t>(rounded(seen.grid[static_cast<Eigen::Index>(axis)]));
   return seen;
 }
 
 bool GridSpace::is_uneven(const ViewPoint& a, const ViewPoint& b, double largest_depth_ratio) const {
-  if (std::max(a.depth, b.depth) > largest_depth_ratio * std::min(a.depth, b.depth)) return true;
-  if (main_direction(a.voxel, b.voxel).length > k_longest_edge) return true;
-  constexpr double k_few = 4;  // voxels: not worth another patch
-  for (const Eigen::Index axis : {0, 1}) {
-    const auto part = [&](double at) { return at < least_[axis] ? -1 : at > largest_[axis] ? 1 : 0; };
-    if (part(a.grid[axis]) == part(b.grid[axis])) continue;
-    const auto inside = [&](double at) { return std::clamp(at, least_[axis], largest_[axis]); };
-    const double length = std::abs(a.grid[axis] - b.grid[axis]);
-    const double kept = std::abs(inside(a.grid[axis]) - inside(b.grid[axis]));
-    if (length > k_few && kept < 0.5 * length) return true;
-  }
-  return false;
+  // The longest side of a triangle is no farther than its altitude from what the triangle shows of itself,
+  // even when all sides are outside the picture.
+  constexpr double k_altitude = 0.8661;  // over the longest side, at most: sqrt(3) / 2
+  const double length = (b.from_eye - a.from_eye).norm();
+  if (is_unseen(std::max({a.slack, b.slack, k_altitude * length}), a, b)) return false;
+  const std::int32_t voxels = main_direction(a.voxel, b.voxel).length;
+  if (voxels > k_longest_edge) return true;
+  const double ratio = std::max(a.depth, b.depth) / std::min(a.depth, b.depth);
+  if (voxels > k_few_voxels && ratio > largest_depth_ratio) return true;
+  const double true_voxel = voxel_size(std::min(a.true_depth, b.true_depth));
+  const bool is_outside = std::max(a.depth / a.true_depth, b.depth / b.true_depth) > largest_depth_ratio;
+  return is_outside && length > k_few_voxels * true_voxel;
 }
 
 MainDirection main_direction(const GridPoint& a, const GridPoint& b) {

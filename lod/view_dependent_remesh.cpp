@@ -34,7 +34,7 @@ class Remesher {
  public:
   Remesher(const DisplacedBase& base, const RemeshView& view, const RemeshOptions& options)
       : options_(options),
-        space_(view, options.triangle_pixels, nearest(base, options)),
+        space_(view, options.triangle_pixels, nearest(base, options), base.largest_reach()),
         patches_(base, space_, options),
         heights_(base.levels(), options.footprint),
         dicer_(patches_, space_, heights_,

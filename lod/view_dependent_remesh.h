@@ -37,7 +37,7 @@ struct RemeshOptions {
   double largest_depth_ratio = 2;
   /// Depth below which triangles don't get smaller, object units. Unset: `k_nearest` of the base's diagonal.
   std::optional<double> nearest{};
-  static constexpr double k_nearest = 1e-4;
+  static constexpr double k_nearest = 1e-5;
   std::size_t most_triangles = 50'000'000;  ///< more are an error
 };
 

@@ -112,13 +112,13 @@ ViewPatches::ViewPatches(const DisplacedBase& base, const GridSpace& space, cons
   patches.reserve(base.triangles().size());
   for (const DisplacedBase::Triangle& triangle : base.triangles())
     patches.push_back({.points = triangle.points, .uvs = triangle.uvs, .reach = triangle.reach});
-  halve_uneven_edges(space, base.largest_reach(), options);
+  halve_uneven_edges(space, options);
   connect();
   collect_point_uses();
 }
 
 /// Again and again, since halves may be uneven too. Whether an edge is cut follows from its ends.
-void ViewPatches::halve_uneven_edges(const GridSpace& space, double reach, const RemeshOptions& options) {
+void ViewPatches::halve_uneven_edges(const GridSpace& space, const RemeshOptions& options) {
   constexpr int k_most_rounds = 64;  // more than the bits of a length
   Middles middles(*this, space);
   std::vector<ViewPatch> even, halved, pieces;
@@ -131,7 +131,7 @@ void ViewPatches::halve_uneven_edges(const GridSpace& space, double reach, const
       std::array<bool, 3> cut{};
       for (std::size_t k = 0; k < 3; ++k) {
         const ViewPoint &a = views[patch.points[k]], &b = views[patch.points[k_next[k]]];
-        cut[k] = space.is_uneven(a, b, options.largest_depth_ratio) && !GridSpace::is_unseen(reach, a, b);
+        cut[k] = space.is_uneven(a, b, options.largest_depth_ratio);
       }
       if (cut == std::array<bool, 3>{})
         even.push_back(patch);

@@ -16,9 +16,15 @@ using GridPoint = std::array<std::int32_t, 3>;
 
 /// A point as a view has it.
 struct ViewPoint {
-  double depth = 0;   ///< along the view, object units, no less than the nearest that counts
-  Vec3 grid;          ///< in voxels, far beyond the picture too
-  GridPoint voxel{};  ///< the same in whole numbers, kept near the picture
+  Vec3 from_eye;  ///< object units
+  /// Along the view, object units, no less than the nearest that counts nor a share of the distance.
+  double true_depth = 0;
+  /// The depth by which voxels are made: the same where heights may bring the point into the picture, and
+  /// growing fast beyond, so that voxels do.
+  double depth = 0;
+  double slack = 0;   ///< how far beyond the pyramid of view it counts as inside, object units
+  Vec3 grid;          ///< in voxels
+  GridPoint voxel{};  ///< the same in whole numbers
   static constexpr std::size_t k_sides = 5;
   /// How far it lies beyond the left, right, upper and lower side of the pyramid of view, and behind the eye,
   /// object units; negative: inside.
@@ -27,9 +33,9 @@ struct ViewPoint {
 
 class GridSpace {
  public:
-  /// `nearest`: depth below which voxels don't get smaller, object units. Throws `OptionError` for numbers
-  /// out of range.
-  GridSpace(const RemeshView& view, double voxel_pixels, double nearest);
+  /// `nearest`: depth below which voxels don't get smaller; `reach`: how far points may move; object units.
+  /// Throws `OptionError` for numbers out of range.
+  GridSpace(const RemeshView& view, double voxel_pixels, double nearest, double reach);
 
   const Vec3& eye() const { return eye_; }
   /// Side of a voxel at a depth, object units.
@@ -51,15 +57,16 @@ class GridSpace {
     return false;
   }
 
-  /// Whether the voxels between two points are too uneven for one edge: the depths differ too much (steps of
-  /// screen depth aren't steps of the logarithm), the edge leaves the neighbourhood of the picture, or it is
-  /// very long. Depends on the two points alone.
+  /// Whether an edge of what may be in the picture isn't one for voxels: the depths of its ends differ too
+  /// much (steps of screen depth aren't steps of the logarithm), an end is so far outside that the voxels
+  /// there are no measure for the picture, or it is very long. Depends on the two ends alone.
   bool is_uneven(const ViewPoint& a, const ViewPoint& b, double largest_depth_ratio) const;
 
  private:
   Vec3 eye_, right_, down_, forward_;
-  double nearest_ = 1, voxel_ = 0, log_step_ = 0;
-  Vec2 middle_, least_, largest_, tangent_;
+  double nearest_ = 1, reach_ = 0, voxel_ = 0, log_step_ = 0;
+  double least_share_ = 0;  // of a point's distance: no depth is less
+  Vec2 middle_, tangent_;
 };
 
 /// Voxel of a coordinate: the same rounding everywhere.

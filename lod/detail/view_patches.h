@@ -51,7 +51,7 @@ class ViewPatches {
   }
 
  private:
-  void halve_uneven_edges(const GridSpace& space, double reach, const RemeshOptions& options);
+  void halve_uneven_edges(const GridSpace& space, const RemeshOptions& options);
   void require_few(const std::vector<ViewPatch>& even, const std::vector<ViewPatch>& others,
                    std::size_t most) const;
   void connect();

@@ -20,7 +20,7 @@ GridSpace right_angle(double voxel_pixels = 1) {
   view.target = -Vec3::UnitZ();
   view.field_of_view = std::numbers::pi / 2;
   view.width = view.height = 300;
-  return {view, voxel_pixels, 1};
+  return {view, voxel_pixels, 1, 0};
 }
 
 TEST(GridSpace, HasTheDepthsOfTheSource) {
@@ -69,7 +69,7 @@ TEST(GridSpace, RefusesNumbersOutOfRange) {
     RemeshView view;
     double pixels = 1;
     change(view, pixels);
-    return GridSpace(view, pixels, 1);
+    return GridSpace(view, pixels, 1, 0);
   };
   EXPECT_NO_THROW(space([](RemeshView&, double&) {}));
   EXPECT_NO_THROW(space([](RemeshView& v, double&) { v.up = v.target - v.position; }));

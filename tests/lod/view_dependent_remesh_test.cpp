@@ -30,6 +30,15 @@ RemeshView view_from(const Vec3& position, int size = 120, const Vec3& target = 
   return view;
 }
 
+/// Where a point is seen, pixels from the upper left corner, and how deep. By its own formula.
+Vec3 on_screen(const RemeshView& view, const Vec3& point) {
+  const Vec3 forward = (view.target - view.position).normalized(),
+             right = forward.cross(view.up).normalized();
+  const Vec3 up = right.cross(forward), p = point - view.position;
+  const double depth = p.dot(forward), pixels = view.height / (2 * std::tan(view.field_of_view / 2)) / depth;
+  return {0.5 * view.width + pixels * p.dot(right), 0.5 * view.height - pixels * p.dot(up), depth};
+}
+
 /// A map of one height.
 DisplacementMap level_map(float height = 0) { return {1, 1, {height}}; }
 
@@ -91,7 +100,7 @@ TEST(ViewDependentRemesh, LeavesOpenOnlyWhatIsOutOfThePicture) {
   const RemeshResult result = remesh_for_view(base, view);
   EXPECT_GT(result.report.culled, 100u);
   expect_whole(result);
-  const detail::GridSpace space(view, 1, 1e-4);
+  const detail::GridSpace space(view, 1, 1e-4, 0);
   std::map<std::pair<Index, Index>, int> counts;
   for (std::size_t f = 0; f < result.soup.n_faces(); ++f) {
     const auto face = result.soup.face(f);
@@ -160,9 +169,8 @@ TEST(ViewDependentRemesh, TreatsNeighboursThatKnowNothingOfEachOtherAlike) {
 
 /// Twice the signed area on the screen.
 double screen_area(const RemeshView& view, const std::array<Vec3, 3>& points) {
-  const detail::GridSpace space(view, 1, 1e-6);
   std::array<Vec3, 3> seen;
-  for (std::size_t k = 0; k < 3; ++k) seen[k] = space.view(points[k]).grid;
+  for (std::size_t k = 0; k < 3; ++k) seen[k] = on_screen(view, points[k]);
   const Vec3 ab = seen[1] - seen[0], ac = seen[2] - seen[0];
   return ab.x() * ac.y() - ac.x() * ab.y();
 }
@@ -205,33 +213,54 @@ TEST(ViewDependentRemesh, DicesNearPartsFinerAndAllPartsAsLargeInPixels) {
   view.up = Vec3::UnitZ();
   for (const double pixels : {1.0, 4.0}) {
     const RemeshResult result = remesh_for_view(base, view, {.triangle_pixels = pixels});
-    const detail::GridSpace space(view, 1, 1e-4);
     struct Sum {
       double pixels = 0, length = 0, n = 0;
     } near, far;
     for (std::size_t f = 0; f < result.soup.n_faces(); ++f) {
-      std::array<double, 3> lengths{}, on_screen{};
+      std::array<double, 3> lengths{};
       double depth = 0;
+      bool is_inside = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3 a = result.soup.positions[result.soup.face(f)[k]],
-                   b = result.soup.positions[result.soup.face(f)[(k + 1) % 3]];
-        const detail::ViewPoint va = space.view(a), vb = space.view(b);
+        const Vec3 &a = result.soup.positions[result.soup.face(f)[k]],
+                   &b = result.soup.positions[result.soup.face(f)[(k + 1) % 3]];
+        const Vec3 pixel = on_screen(view, a);
+        is_inside = is_inside && pixel.head<2>().minCoeff() > 0 && pixel.head<2>().maxCoeff() < 400;
+        depth = std::max(depth, pixel.z());
         lengths[k] = (b - a).norm();
-        on_screen[k] = lengths[k] / space.voxel_size(0.5 * (va.depth + vb.depth));
-        depth = std::max(va.depth, vb.depth);
       }
-      if (depth > 10 && depth < 60) continue;
+      if (!is_inside || (depth > 10 && depth < 60)) continue;
       Sum& sum = depth <= 10 ? near : far;
-      // Two sides of a triangle are a voxel long, up to its diagonal in space.
-      std::sort(on_screen.begin(), on_screen.end());
-      sum.pixels += on_screen[0];
-      sum.length += *std::min_element(lengths.begin(), lengths.end());
+      // Of the two sides that are a voxel long, up to its diagonal in space.
+      const double shortest = *std::min_element(lengths.begin(), lengths.end());
+      sum.pixels += shortest / (depth * 2 * std::tan(view.field_of_view / 2) / view.height);
+      sum.length += shortest;
       ++sum.n;
     }
     EXPECT_GT(far.length / far.n, 8 * near.length / near.n);
     // Between a voxel shortened by a depth ratio of 2 and one seen along its diagonal.
     EXPECT_NEAR(near.pixels / near.n / pixels, 1, 0.35);
     EXPECT_NEAR(far.pixels / far.n / pixels, 1, 0.35);
+  }
+}
+
+TEST(ViewDependentRemesh, DicesATriangleWhoseSidesAreAllOutsideThePictureAsFinelyAsOthers) {
+  for (const double size : {10.0, 1e3, 1e6}) {
+    PolygonSoup soup = soup_of({{-size, -size, 0}, {size, -size, 0}, {0, size, 0}}, {{0, 1, 2}});
+    soup.corner_uvs = {{0, 0}, {1, 0}, {0.5, 1}};
+    const DisplacedBase base(soup, level_map());
+    const RemeshView view = view_from({0.1, -0.2, 1}, 200, {0.3, 0.1, 0});
+    const RemeshResult result = remesh_for_view(base, view, {.nearest = 0.01});
+    double in_picture = 0;
+    for (const Vec3& p : result.soup.positions) {
+      const Vec3 pixel = on_screen(view, p);
+      in_picture +=
+          pixel.z() > 0 && pixel.head<2>().minCoeff() > 0 && pixel.head<2>().maxCoeff() < 200 ? 1 : 0;
+    }
+    // One for a pixel; fewer where perspective within patches stretches them by up to a depth ratio of 2,
+    // more at edges of small patches.
+    EXPECT_GT(in_picture / (200 * 200), 0.75) << "size " << size;
+    EXPECT_LT(in_picture / (200 * 200), 1.6) << "size " << size;
+    EXPECT_LT(static_cast<double>(result.soup.positions.size()), 3 * in_picture);
   }
 }
 
@@ -255,7 +284,7 @@ TEST(ViewDependentRemesh, LeavesOutNoTriangleWithAVisiblePoint) {
     ASSERT_LE(result.report.largest_move, base.largest_reach());
     if (result.report.culled < result.report.patches) continue;
     ++culled;
-    const detail::GridSpace space(view, 1, 1e-9);
+    const detail::GridSpace space(view, 1, 1e-9, 0);
     for (int k = 0; k < 300; ++k) {
       Vec3 w = point(1).cwiseAbs();
       w /= w.sum();
@@ -275,7 +304,7 @@ TEST(ViewDependentRemesh, LeavesOutNoTriangleWithAVisiblePoint) {
   // The test can fail: with no reach, points are lost.
   for (int i = 0; i < 3000; ++i) {
     const RemeshView view = view_from(point(3), 20, point(1));
-    const detail::GridSpace space(view, 1, 1e-9);
+    const detail::GridSpace space(view, 1, 1e-9, 0);
     const Vec3 at = point(4), moved = at + 0.4 * point(1).normalized();
     if (detail::GridSpace::is_unseen(0, space.view(at)) &&
         !detail::GridSpace::is_unseen(0, space.view(moved)))
@@ -289,21 +318,24 @@ TEST(ViewDependentRemesh, LeavesOutAllThatTheCorrectedLimitsOfTheSourceLeaveOut)
   std::mt19937 random(5);
   std::uniform_real_distribution<double> number(-1, 1);
   const RemeshView view = view_from({0, 0, 0}, 200, {0, 0, -1});
-  const detail::GridSpace space(view, 1, 1e-9);
+  const detail::GridSpace space(view, 1, 1e-9, 0);
   const double half = std::tan(view.field_of_view / 2), reach = 0.3;
   int n = 0;
   for (int i = 0; i < 20'000; ++i) {
     std::array<detail::ViewPoint, 3> seen;
+    std::array<Vec3, 3> pixel;
     double least_depth = 1e9;
-    for (auto& p : seen) {
-      p = space.view({6 * number(random), 6 * number(random), -5.5 - 5 * number(random)});
-      least_depth = std::min(least_depth, p.depth);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 p(6 * number(random), 6 * number(random), -5.5 - 5 * number(random));
+      seen[k] = space.view(p);
+      pixel[k] = on_screen(view, p);
+      least_depth = std::min(least_depth, pixel[k].z());
     }
     const double pixels = view.height * (reach / std::cos(view.field_of_view / 2)) / (2 * half * least_depth);
     bool out = false;
     for (const Eigen::Index axis : {0, 1}) {
       const auto all = [&](auto&& beyond) {
-        return beyond(seen[0].grid[axis]) && beyond(seen[1].grid[axis]) && beyond(seen[2].grid[axis]);
+        return beyond(pixel[0][axis]) && beyond(pixel[1][axis]) && beyond(pixel[2][axis]);
       };
       out = out || all([&](double x) { return x < -pixels; }) ||
             all([&](double x) { return x > view.width + pixels; });
@@ -312,17 +344,16 @@ TEST(ViewDependentRemesh, LeavesOutAllThatTheCorrectedLimitsOfTheSourceLeaveOut)
     ++n;
     ASSERT_TRUE(detail::GridSpace::is_unseen(reach, seen[0], seen[1], seen[2]));
   }
-  EXPECT_GT(n, 1000);
+  EXPECT_GT(n, 500);
 }
 
 /// The highest point of a surface in each of `n` columns of the picture, pixels from its lower edge.
 std::vector<double> skyline(const PolygonSoup& soup, const RemeshView& view) {
-  const detail::GridSpace space(view, 1, 1e-4);
   std::vector<double> heights(static_cast<std::size_t>(view.width), 0.0);
   for (std::size_t f = 0; f < soup.n_faces(); ++f) {
     for (std::size_t k = 0; k < 3; ++k) {
-      Vec3 a = space.view(soup.positions[soup.face(f)[k]]).grid,
-           b = space.view(soup.positions[soup.face(f)[(k + 1) % 3]]).grid;
+      Vec3 a = on_screen(view, soup.positions[soup.face(f)[k]]),
+           b = on_screen(view, soup.positions[soup.face(f)[(k + 1) % 3]]);
       if (a.x() > b.x()) std::swap(a, b);
       // Middles of pixels between the two.
       for (double x = std::max(0.0, std::ceil(a.x() - 0.5)); x + 0.5 <= b.x() && x < view.width; ++x) {
