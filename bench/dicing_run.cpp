@@ -16,8 +16,8 @@ namespace {
 
 constexpr int k_width = 1920, k_height = 1080;
 constexpr double k_field_of_view = 0.7;
-/// Of pictures whose errors are compared: every side a half.
-constexpr int k_compared_width = k_width / 2, k_compared_height = k_height / 2;
+/// Of pictures whose errors are compared: every side a quarter.
+constexpr int k_compared_width = k_width / 4, k_compared_height = k_height / 4;
 
 BakedMaps maps_of(const PolygonSoup& soup) {
   SimplifyOptions coarser;
@@ -75,7 +75,7 @@ struct UniformMesh {
   std::array<double, 2> errors{};  ///< of both views
 };
 
-/// Uniform dicing, finer and finer, beside the finest.
+/// Uniform dicing, finer and finer, beside the surface itself.
 std::vector<UniformMesh> measure_uniform(const BakedMaps& maps, const std::vector<NamedView>& views,
                                          const std::vector<Image>& references) {
   std::vector<UniformMesh> meshes;
@@ -90,12 +90,13 @@ std::vector<UniformMesh> measure_uniform(const BakedMaps& maps, const std::vecto
 }
 
 std::string error_rows(const std::string& model, const BakedMaps& maps, const DisplacedBase& base) {
-  constexpr int k_finest_parts = 40;
   const std::vector<NamedView> views = views_of(maps.surface, k_compared_width, k_compared_height);
+  // The surface of the map itself, by triangles of half a pixel.
   std::vector<Image> references;
-  {
-    const PolygonSoup finest = dice_surface(maps, {.parts = k_finest_parts});
-    for (const NamedView& view : views) references.push_back(picture_of(finest, view.camera));
+  for (const NamedView& view : views) {
+    const RemeshOptions exact{.triangle_pixels = 0.5, .footprint = FootprintRule::none, .normals = false};
+    references.push_back(
+        picture_of(remesh_for_view(base, remesh_view_of(view.camera), exact).soup, view.camera));
   }
   const std::vector<UniformMesh> uniform = measure_uniform(maps, views, references);
   std::string rows;

@@ -75,7 +75,8 @@ struct RemeshResult {
 /// else; parts of the base behind the camera that heights move before it are coarse.
 ///
 /// Deviations from the source: columns of vertices are joined instead of walking over cells, limits of the
-/// picture are tested in the space of the camera, and its near plane is only `nearest`.
+/// picture are tested in the space of the camera, its near plane is only `nearest`, and voxels grow outside
+/// of the picture.
 ///
 /// Throws `OptionError` for numbers out of range and for more than `most_triangles`, and `Cancelled`.
 RemeshResult remesh_for_view(const DisplacedBase& base, const RemeshView& view,

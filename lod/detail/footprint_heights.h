@@ -6,7 +6,7 @@
 
 namespace recede::detail {
 
-/// Lookups in the levels of a map by the rule of a view (section 7 of the source). `facing` is the cosine
+/// Lookups in the levels of a map by the rule of a view. `facing` is the cosine
 /// between a vertex's direction and that to the eye; around 0 the two sides are blended.
 ///
 /// A peak of a footprint has to be among its samples to be kept, so `FootprintRule::by_side` takes up to

@@ -1,7 +1,7 @@
 // Space in voxels: pixels of an image, and a depth whose steps are as long as a pixel is wide there.
 //
-// S. Gumhold, T. Huettner: Multiresolution Rendering With Displacement Mapping. Graphics Hardware 1999,
-// section 4 (equations 2 to 4) and section 5 (the limits of the picture).
+// S. Gumhold, T. Huettner: Multiresolution Rendering With Displacement Mapping. Graphics Hardware 1999:
+// equations 2 to 4, and 7 and 8 for the limits of the picture.
 #pragma once
 
 #include <recede/lod/view_dependent_remesh.h>

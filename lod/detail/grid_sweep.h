@@ -1,6 +1,6 @@
 // A triangle with corners in whole voxels, cut into small triangles of about a voxel by a sweep.
 //
-// Source: see grid_space.h, section 6. The source's walk over cells with twelve registers leaves some cases
+// Source: see grid_space.h. Its walk over cells with twelve registers leaves some cases
 // open; here columns of vertices are joined instead, which gives the same vertices and needs no special
 // cases.
 #pragma once
@@ -11,7 +11,7 @@
 
 namespace recede::detail {
 
-/// How a triangle is swept (section 6.1): from corner `a` to corner `b` of its longest primary edge, in the
+/// How a triangle is swept: from corner `a` to corner `b` of its longest primary edge, in the
 /// coordinate plane that shows the most of it.
 struct SweepPlan {
   std::size_t a = 0, b = 1, c = 2;  ///< corners; c lies above the edge a b, or on it
