@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   recede::cli::add_extract_command(app);
   recede::cli::add_render_command(app);
   recede::cli::add_turntable_command(app);
+  recede::cli::add_dice_command(app);
   recede::cli::catch_interrupts();
   std::unique_ptr<tbb::global_control> limit;
   if (const int threads = threads_argument(argc, argv); threads > 0) {

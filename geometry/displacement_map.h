@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <type_traits>
 #include <vector>
 
@@ -87,6 +88,20 @@ class DisplacementMap {
   std::vector<std::uint16_t> whole_;  // one of the two is empty
   std::vector<float> floats_;
 };
+
+/// How the numbers of a file become heights.
+struct DisplacementMapOptions {
+  /// height = offset + scale * value, object units. Values of PNG files run from 0 to 1, those of OpenEXR
+  /// files are the numbers that they hold.
+  double scale = 1, offset = 0;
+  MapBorder border = MapBorder::clamped;
+};
+
+/// Reads a grey PNG file, which keeps its bits, or an OpenEXR file with one channel or one of the name Y.
+/// Throws `InputError` for anything else and for heights that aren't finite, with the file's name, and
+/// `OptionError` for numbers that aren't finite.
+DisplacementMap read_displacement_map(const std::filesystem::path& path,
+                                      const DisplacementMapOptions& options = {});
 
 /// From the least to the largest height, object units.
 struct HeightRange {

@@ -76,5 +76,7 @@ void bind_progressive(py::module_& m);
 void bind_images(py::module_& m);
 /// Adds baked maps.
 void bind_maps(py::module_& m);
+/// Adds diced views.
+void bind_dicing(py::module_& m);
 
 }  // namespace recede::python

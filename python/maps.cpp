@@ -1,4 +1,5 @@
 // Baked maps for Python.
+#include "baked_maps.h"
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
@@ -8,11 +9,6 @@
 
 namespace recede::python {
 namespace {
-
-/// Shared, so that arrays and measurements outlive the lock.
-struct Baked {
-  std::shared_ptr<const BakedMaps> maps;
-};
 
 /// Size x size, or size x size x channels; None when there is no such map.
 template <typename Sample>

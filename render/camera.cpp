@@ -71,6 +71,15 @@ Vec3 view_from_front(const Vec3& up) {
   return (0.62 * y.cross(front) + 0.5 * y + front).normalized();
 }
 
+RemeshView remesh_view_of(const Camera& camera) {
+  return {.position = camera.position,
+          .target = camera.target,
+          .up = camera.up,
+          .field_of_view = camera.field_of_view,
+          .width = camera.width,
+          .height = camera.height};
+}
+
 Camera orbit(const Camera& camera, double angle) {
   Camera turned = camera;
   turned.position =

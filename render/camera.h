@@ -3,6 +3,7 @@
 
 #include <recede/geometry/vec.h>
 #include <recede/lod/lod_hierarchy.h>
+#include <recede/lod/view_dependent_remesh.h>
 
 #include <span>
 
@@ -54,6 +55,9 @@ Vec3 view_from_front(const Vec3& up);
 /// points. Throws `InputError` when there are none.
 Camera camera_in_front(std::span<const Vec3> points, const Vec3& up, double field_of_view, int width,
                        int height);
+
+/// The same view for dicing.
+RemeshView remesh_view_of(const Camera& camera);
 
 /// The camera turned around its target by `angle` (radians), about the axis `up`, counter-clockwise seen from
 /// above.

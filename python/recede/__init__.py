@@ -29,6 +29,7 @@ from ._recede import (
     BakedMaps,
     BakeResult,
     Cancelled,
+    DicedView,
     Distance,
     Error,
     FileReport,
@@ -49,10 +50,10 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DirectionalLight", "Distance", "EnvironmentLight",
+    "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
     "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material",
     "Mesh", "OneSidedDistance", "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps",
-    "build_progressive", "compare", "diff", "make_atlas", "make_displaced_sphere", "make_teapot", "read",
+    "build_progressive", "compare", "dice", "diff", "make_atlas", "make_displaced_sphere", "make_teapot", "read",
     "read_image", "render", "set_threads", "simplify", "simplify_levels", "write", "write_image",
 ]
 
@@ -368,6 +369,32 @@ def make_atlas(mesh: Mesh, *, charts: int | None = None, bend_limit: float | Non
                "keep_materials": keep_materials, "keep_uv_seams": keep_uv_seams, "stretch_limit": stretch_limit,
                "scale_by_stretch": scale_by_stretch, "map_size": map_size, "gutter": gutter}
     return _recede.make_atlas(mesh, options, progress)
+
+
+def dice(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None,
+         look_at: Sequence[float] | None = None, up: Sequence[float] = (0, 1, 0), field_of_view: float = 45,
+         image_width: int = 800, image_height: int = 600, triangle_pixels: float = 1, footprint: str = "by_side",
+         map_levels: str = "mean", periodic: bool = False, cull: bool = True, normals: bool = True,
+         progress: Progress | None = None) -> DicedView:
+    """A mesh of a displaced surface for one view, without cracks, with triangles of about `triangle_pixels`.
+
+    `surface` are baked maps, or a mesh with texture coordinates and `height`, an array of rows x columns lengths along
+    its normals, row 0 on top; `periodic` repeats it beyond its border. Without `eye` (object units) the whole surface is
+    seen from in front; `look_at` is otherwise its middle. `field_of_view` is vertical, degrees.
+
+    A vertex moves by the height of its `footprint`: "by_side" is the highest around it seen from the front, the lowest
+    seen from the back; "mean"; or "none", its own. `map_levels` "least_volume" keeps the volume of large footprints
+    better and takes seconds. `cull` leaves out what isn't in the picture; without it closed surfaces stay closed.
+
+    The result has `mesh`, with texture coordinates and normals, and the `report`, a dict. Raises `InputError` for maps
+    without heights and meshes without texture coordinates, and `OptionError` for what is out of range.
+    """
+    if not isinstance(surface, Mesh if height is not None else BakedMaps):
+        raise TypeError("dice takes baked maps, or a mesh and its heights")
+    settings = {"up": up, "field_of_view": field_of_view * pi / 180, "image_width": image_width,
+                "image_height": image_height, "triangle_pixels": triangle_pixels, "footprint": footprint,
+                "map_levels": map_levels, "periodic": periodic, "cull": cull, "normals": normals}
+    return _recede.dice(surface, height, eye, look_at, settings, progress)
 
 
 Color = Union[float, Sequence[float]]

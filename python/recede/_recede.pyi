@@ -258,6 +258,14 @@ class BakedMaps:
     def measure(self, fine: Mesh, *, progress: _Progress = ...) -> dict[str, float]:
         """`bare_max`, `bare_rms`, `max`, `rms`: two-sided distances without and with displacement"""
 
+class DicedView:
+    """A mesh for one view, and what was done."""
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def report(self) -> dict[str, Any]:
+        """Counts by stage, `largest_move` (units of the mesh) and `seconds`"""
+
 class BakeResult:
     @property
     def levels(self) -> list[Level]: ...
@@ -412,6 +420,10 @@ def bake(
     progress: _Progress,
 ) -> BakeResult: ...
 def bake_maps(fine: Mesh, coarse: Mesh, settings: dict[str, Any], progress: _Progress) -> BakedMaps: ...
+def dice(
+    surface: Union[BakedMaps, Mesh], height: Optional[npt.ArrayLike], eye: Optional[Sequence[float]],
+    look_at: Optional[Sequence[float]], settings: dict[str, Any], progress: _Progress,
+) -> DicedView: ...
 def render(
     mesh: Mesh, eye: Any, look_at: Any, up: Any, field_of_view: float, width: int, height: int,
     options: Mapping[str, Any], progress: _Progress,

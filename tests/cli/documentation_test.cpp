@@ -83,7 +83,7 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
   for (const char* command : {"atlas", "bake", "simplify", "compare", "diff", "info", "progressive",
-                              "extract", "render", "turntable"}) {
+                              "extract", "render", "turntable", "dice"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -117,6 +117,8 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"extract", out + ".pmesh", "-o", out + "_morph.ply", "--morph-ratio", "0.1", "--json"},
            {"extract", out + ".pmesh", "-o", out + "_view.ply", "--eye", "0", "0", "3", "--json"},
            {"render", out + ".ply", "-o", out + ".png", "--image-width", "8", "--json"},
+           {"dice", (fs::path(out) / "sphere.recede").string(), "-o", out + "_diced.ply", "--image-width",
+            "50", "--image-height", "50", "--json"},
            {"turntable", out + ".ply", "-o", out + "_frames", "--image-width", "8", "--frames", "2",
             "--json"}}) {
     collect_fields(json_of(run_recede(arguments)), fields);

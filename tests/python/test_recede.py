@@ -244,6 +244,47 @@ def test_wrong_options_of_maps_are_refused(options, text):
         recede.bake_maps(square(), square(), **options)
 
 
+def square_with_uvs():
+    corners = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    return recede.Mesh([[x, y, 0] for x, y in corners], [[0, 1, 2, 3]], corner_uvs=corners)
+
+
+def test_dice_makes_a_mesh_for_a_view():
+    base = square_with_uvs()
+    height = np.array([[0.1, 0.3], [0.1, 0.3]])
+    view = {"eye": (0.5, 0.5, 2), "image_width": 50, "image_height": 40}
+    diced = recede.dice(base, height, triangle_pixels=4, **view)
+    x, z = diced.mesh.positions[:, 0], diced.mesh.positions[:, 2]
+    assert np.abs(z - (0.1 + 0.2 * np.clip(2 * x - 0.5, 0, 1))).max() < 1e-7  # heights are floats
+    assert diced.mesh.corner_uvs.shape == diced.mesh.corner_normals.shape[:1] + (2,)
+    report = diced.report
+    assert report["base_triangles"] == 2 and report["largest_move"] == pytest.approx(0.3)
+    assert report["corner_vertices"] + report["edge_vertices"] + report["inner_vertices"] == len(x)
+    assert recede.dice(base, height, triangle_pixels=2, **view).mesh.n_faces > 3 * diced.mesh.n_faces
+
+    sphere = recede.make_displaced_sphere(5000)
+    maps = recede.bake_maps(sphere, recede.simplify(sphere, ratio=0.1).mesh, maps=["displacement"], map_size=128)
+    whole = recede.dice(maps, cull=False, normals=False, image_width=100, image_height=100)
+    assert whole.mesh.corner_normals is None
+    assert recede.compare(sphere, whole.mesh).rms < 0.5 * recede.compare(sphere, maps.surface).rms
+
+
+def test_dice_refuses_what_it_cannot_dice():
+    flat = np.zeros((2, 2))
+    with pytest.raises(TypeError, match="maps"):
+        recede.dice(square_with_uvs())
+    with pytest.raises(recede.InputError, match="texture coordinates"):
+        recede.dice(recede.make_displaced_sphere(100), flat)
+    with pytest.raises(recede.InputError, match="rows x columns"):
+        recede.dice(square_with_uvs(), np.zeros(3))
+    with pytest.raises(recede.InputError, match="finite"):
+        recede.dice(square_with_uvs(), np.full((2, 2), np.nan))
+    with pytest.raises(recede.OptionError, match="by_side, mean, none"):
+        recede.dice(square_with_uvs(), flat, footprint="round")
+    with pytest.raises(recede.OptionError, match="pixel"):
+        recede.dice(square_with_uvs(), flat, eye=(0, 0, 3), image_width=0)
+
+
 def test_images_are_arrays_of_linear_light(tmp_path):
     image = np.random.default_rng(3).random((5, 7, 3), dtype=np.float32)
     recede.write_image(tmp_path / "a.exr", image)

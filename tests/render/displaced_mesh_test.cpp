@@ -1,4 +1,4 @@
-#include "displaced_bases.h"
+#include "chart_sphere.h"
 #include "sanitized.h"
 #include <recede/geometry/error.h>
 #include <recede/render/detail/displaced_data.h>

@@ -1,76 +1,108 @@
-// Bases and maps for displaced surfaces.
+// Bases and maps for tests of displaced surfaces.
 #pragma once
 
+#include "simple_soups.h"
 #include <recede/geometry/displacement_map.h>
-#include <recede/geometry/polygon_soup.h>
 
-#include <array>
 #include <cmath>
-#include <numbers>
+#include <map>
 #include <random>
 #include <vector>
 
 namespace recede::test {
 
-/// A sphere of unit radius: 6 n^2 quads in six charts that lie apart in the unit square, each turned by
-/// another quarter, so that heights differ along all sides of the cube. `warp` moves texture coordinates
-/// within a chart, so that quads aren't parallelograms there.
-inline PolygonSoup chart_sphere(int n, const Vec3& center, double warp = 0) {
-  PolygonSoup soup;
-  for (int chart = 0; chart < 6; ++chart) {
-    const int axis = chart / 2;
-    const double side = chart % 2 == 0 ? 1 : -1;
-    const auto add = [&](int i, int j) {
-      const auto tangent = [&](int k) {
-        if (k == 0 || k == n) return k == 0 ? -1.0 : 1.0;  // the same on all faces, without rounding
-        return std::tan(std::numbers::pi / 4 * (2.0 * k - n) / n);
-      };
-      Vec3 place;
-      place[axis] = side;
-      place[(axis + 1) % 3] = side * tangent(i);
-      place[(axis + 2) % 3] = tangent(j);
-      Vec2 uv(static_cast<double>(i) / n, static_cast<double>(j) / n);
-      uv += warp * Vec2(std::sin(9 * uv.y()) * uv.x(), std::sin(7 * uv.x()) * uv.y());
-      for (int turn = 0; turn < chart % 4; ++turn) uv = Vec2(1 - uv.y(), uv.x());
-      soup.corner_vertices.push_back(static_cast<Index>(soup.positions.size()));
-      soup.positions.push_back(center + place / place.norm());
-      soup.corner_uvs.emplace_back((chart % 3 + 0.1 + 0.8 * uv.x()) / 3,
-                                   (chart / 3 + 0.1 + 0.8 * uv.y()) / 2);
+/// An octahedron whose triangles were halved `rounds` times along each side, on the unit sphere. Each octant
+/// has its own part of the map where `one_chart`; else each triangle has one of its own, so that every edge
+/// is a seam.
+inline PolygonSoup sphere_base(int rounds, bool one_chart = true) {
+  PolygonSoup soup =
+      soup_of({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+              {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+  for (int round = 0; round < rounds; ++round) {
+    PolygonSoup finer;
+    finer.positions = soup.positions;
+    std::map<std::pair<Index, Index>, Index> middles;
+    const auto middle = [&](Index a, Index b) {
+      const auto [entry, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<Index>(finer.positions.size()));
+      if (is_new) finer.positions.push_back((soup.positions[a] + soup.positions[b]).normalized());
+      return entry->second;
     };
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
-        add(i, j);
-        add(i + 1, j);
-        add(i + 1, j + 1);
-        add(i, j + 1);
-        soup.face_offsets.push_back(static_cast<Index>(soup.corner_vertices.size()));
-      }
+    for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+      const Index a = soup.face(f)[0], b = soup.face(f)[1], c = soup.face(f)[2];
+      const Index ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      for (const std::vector<Index>& face :
+           {std::vector<Index>{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
+        finer.add_face(face);
+    }
+    soup = std::move(finer);
+  }
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> number(0, 1);
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    const Vec2 shift = one_chart ? Vec2(0, 0) : Vec2(0.7 * number(random), 0.7 * number(random));
+    for (const Index v : soup.face(f)) {
+      const Vec3& p = soup.positions[v];
+      soup.corner_normals.push_back(p);
+      const double sum = p.cwiseAbs().sum();
+      soup.corner_uvs.emplace_back(
+          Vec2(0.5 + 0.5 * p.x() / sum, 0.5 + 0.5 * p.y() / sum) * (one_chart ? 1 : 0.3) + shift);
     }
   }
   return soup;
 }
 
-/// Heights without any smoothness, from `low` to `high`.
-inline DisplacementMap rough_map(int columns, int rows, double low, double high, MapBorder border,
-                                 unsigned seed) {
-  std::mt19937 random(seed);
-  Raster raster;
-  raster.width = columns;
-  raster.height = rows;
-  raster.bits = 16;
-  for (int k = 0; k < columns * rows; ++k)
-    raster.samples.push_back(static_cast<std::uint16_t>(random() & 0xffff));
-  return DisplacementMap(raster, high - low, low, border);
+/// The square from -1 to 1 in the plane z = 0, upwards, as n x n pairs of triangles.
+inline PolygonSoup plane_base(Index n) {
+  PolygonSoup soup = grid(n, true);
+  for (const Index v : soup.corner_vertices) {
+    soup.corner_uvs.emplace_back(soup.positions[v].x(), soup.positions[v].y());
+    soup.corner_normals.emplace_back(Vec3::UnitZ());
+  }
+  for (Vec3& p : soup.positions) p = 2 * p - Vec3(1, 1, 0);
+  return soup;
 }
 
-/// The same in floats.
-inline DisplacementMap rough_float_map(int columns, int rows, double low, double high, MapBorder border,
-                                       unsigned seed) {
+/// Independent heights from `least` to `most`: as rough as a map can be.
+inline DisplacementMap noise_map(int columns, int rows, double least, double most, unsigned seed = 5) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> height(static_cast<float>(low), static_cast<float>(high));
-  std::vector<float> heights(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  for (float& h : heights) h = height(random);
-  return DisplacementMap(columns, rows, std::move(heights), border);
+  std::uniform_real_distribution<double> height(least, most);
+  std::vector<float> heights;
+  for (int i = 0; i < columns * rows; ++i) heights.push_back(static_cast<float>(height(random)));
+  return {columns, rows, std::move(heights)};
+}
+
+/// Midpoint displacement: mountains of about `height`, 2^steps + 1 texels a side.
+inline DisplacementMap mountain_map(int steps, double height, unsigned seed = 7) {
+  const int last = 1 << steps, size = last + 1;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> change;
+  std::vector<double> h(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 0.0);
+  const auto at = [&](int x, int y) -> double& {
+    return h[static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x)];
+  };
+  double amplitude = 0.4 * height;
+  for (int step = last; step > 1; step /= 2, amplitude *= 0.55) {
+    const int half = step / 2;
+    for (int y = 0; y < last; y += step) {
+      for (int x = 0; x < last; x += step) {
+        at(x + half, y + half) = (at(x, y) + at(x + step, y) + at(x, y + step) + at(x + step, y + step)) / 4 +
+                                 amplitude * change(random);
+      }
+    }
+    for (int y = 0; y <= last; y += half) {
+      for (int x = (y / half) % 2 == 0 ? half : 0; x <= last; x += step) {
+        double sum = 0, n = 0;
+        for (const auto& [dx, dy] : {std::pair(half, 0), {-half, 0}, {0, half}, {0, -half}}) {
+          if (x + dx < 0 || x + dx > last || y + dy < 0 || y + dy > last) continue;
+          sum += at(x + dx, y + dy);
+          ++n;
+        }
+        at(x, y) = sum / n + 0.7 * amplitude * change(random);
+      }
+    }
+  }
+  return {size, size, std::vector<float>(h.begin(), h.end())};
 }
 
 }  // namespace recede::test
