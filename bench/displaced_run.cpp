@@ -78,9 +78,8 @@ RTCRayHit embree_ray(const Ray& ray) {
   return hit;
 }
 
-detail::DisplacedContext context_of(bool coherent) {
-  detail::DisplacedContext context;
-  rtcInitIntersectContext(&context.embree);
+detail::RayContext context_of(bool coherent) {
+  detail::RayContext context = detail::make_ray_context();
   if (coherent) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   return context;
 }
@@ -93,7 +92,7 @@ double single_rate(RTCScene scene, const std::vector<Ray>& rays, std::size_t cou
   const std::size_t step = std::max<std::size_t>(1, rays.size() / count);
   std::size_t traced = 0;
   for (std::size_t k = 0; k < rays.size(); k += step, ++traced) {
-    detail::DisplacedContext context = context_of(coherent);
+    detail::RayContext context = context_of(coherent);
     RTCRayHit ray = embree_ray(rays[k]);
     rtcIntersect1(scene, &context.embree, &ray);
   }
@@ -120,10 +119,11 @@ double packet_rate(RTCScene scene, const std::vector<Ray>& rays) {
       packet.ray.tfar[k] = ray.ray.tfar;
       packet.ray.time[k] = 0;
       packet.ray.mask[k] = ray.ray.mask;
-      packet.ray.id[k] = packet.ray.flags[k] = 0;
+      packet.ray.id[k] = static_cast<unsigned>(k);
+      packet.ray.flags[k] = 0;
       packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
     }
-    detail::DisplacedContext context = context_of(true);
+    detail::RayContext context = context_of(true);
     rtcIntersect16(valid.data(), scene, &context.embree, &packet);
   }
   return 1e-6 * static_cast<double>(rays.size()) / (thread_seconds() - start);
@@ -154,9 +154,12 @@ Figures measure_scene(const DisplacedSystem& system, DisplacedSurface surface, i
   const double scale = 1 / box.sizes().maxCoeff(), radius = 0.5 * scale * box.sizes().maxCoeff();
   Figures figures;
   figures.small = small_triangles(surface, level);
+  // What libraries take once for all is no surface's.
+  const RTCDevice device = rtcNewDevice(nullptr);
+  const DisplacedSurface first = rough_sphere(1, Vec3::Zero(), 1);
+  system.build(device, DisplacedSurface(first), 1);
   malloc_trim(0);
   const std::size_t before = resident_bytes();
-  const RTCDevice device = rtcNewDevice(nullptr);
   const DisplacedScene scene = system.build(device, std::move(surface), level);
   malloc_trim(0);
   figures.build_seconds = scene.build_seconds;
@@ -340,7 +343,7 @@ std::string first_hits_line(const BenchOptions& options) {
         const Vec3 from = 0.65 * random_direction(random), to = 0.55 * random_direction(random);
         const Ray ray{from.cast<float>(), (to - from).cast<float>()};
         RTCRayHit ours = embree_ray(ray), theirs = embree_ray(ray);
-        detail::DisplacedContext context = context_of(false);
+        detail::RayContext context = context_of(false);
         rtcIntersect1(mesh.data().scene, &context.embree, &ours);
         rtcIntersect1(reference.scene, &context.embree, &theirs);
         count += ours.hit.geomID != theirs.hit.geomID || ours.ray.tfar != theirs.ray.tfar ? 1 : 0;

@@ -14,7 +14,7 @@
 namespace recede::bench {
 
 /// A scene and what must live as long. Rays are those of the surface's frame; they bring a
-/// `detail::DisplacedContext`.
+/// `detail::RayContext`.
 struct DisplacedScene {
   RTCScene scene = nullptr;
   std::shared_ptr<void> kept{};

@@ -61,6 +61,33 @@ Vec3 up_direction(const std::string& up, const std::string& input) {
   return Vec3::UnitY();
 }
 
+void add_height_map_options(CLI::App& command, HeightMapOptions& options, const std::string& group) {
+  command
+      .add_option("--displacement-map", options.file, "of a mesh: a grey .png, or an .exr with the channel Y")
+      ->option_text("FILE")
+      ->group(group);
+  command
+      .add_option("--displacement-scale", options.heights.scale,
+                  "height of the value 1, white in a .png, object units (1)")
+      ->group(group);
+  command
+      .add_option("--displacement-offset", options.heights.offset, "height of the value 0, object units (0)")
+      ->group(group);
+  command.add_flag("--periodic-map", options.periodic, "the map repeats beyond its border")->group(group);
+}
+
+MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMapOptions& options,
+                                       Progress* progress) {
+  PolygonSoup soup = read_unrepaired(input, progress);
+  if (soup.n_faces() == 0) throw InputError::in_file(input, "holds no faces");
+  if (soup.corner_uvs.empty()) {
+    throw InputError::in_file(input, "has no texture coordinates; `recede atlas` makes some");
+  }
+  DisplacementMapOptions heights = options.heights;
+  heights.border = options.periodic ? MapBorder::periodic : MapBorder::clamped;
+  return {std::move(soup), read_displacement_map(options.file, heights)};
+}
+
 Vec3 to_vector(const std::array<double, 3>& point) { return {point[0], point[1], point[2]}; }
 
 void require_faces(const Model& model, const std::string& input) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "terminal_progress.h"
+#include <recede/geometry/displacement_map.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/lod/simplify.h>
 
@@ -71,6 +72,22 @@ void add_up_option(CLI::App& command, std::string& up, const std::string& group)
 /// Unset: y, but z for the built-in teapot, which stands upright along it as its author made it.
 Vec3 up_direction(const std::string& up, const std::string& input);
 Vec3 to_vector(const std::array<double, 3>& point);
+
+/// Heights of a mesh that has none of its own.
+struct HeightMapOptions {
+  std::string file;  ///< empty: none
+  DisplacementMapOptions heights;
+  bool periodic = false;
+};
+/// Adds `--displacement-map`, `--displacement-scale`, `--displacement-offset` and `--periodic-map`.
+void add_height_map_options(CLI::App& command, HeightMapOptions& options, const std::string& group);
+/// A mesh with texture coordinates, and the heights over it.
+struct MeshWithHeights {
+  PolygonSoup base;
+  DisplacementMap map;
+};
+MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMapOptions& options,
+                                       Progress* progress);
 
 /// How to simplify, without the target.
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle);

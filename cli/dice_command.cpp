@@ -20,9 +20,8 @@ struct DiceCommandOptions {
   ViewOptions view;
   int width = 800, height = 600;
   std::optional<std::size_t> level;
-  std::string map;
-  DisplacementMapOptions heights;
-  bool periodic = false, no_cull = false;
+  HeightMapOptions heights;
+  bool no_cull = false;
   LevelOptions levels;
   RemeshOptions dicing;
 };
@@ -54,21 +53,17 @@ Base base_of_hierarchy(const DiceCommandOptions& options, Progress* progress) {
 }
 
 Base base_of_mesh(const DiceCommandOptions& options, Progress* progress) {
-  if (options.map.empty()) throw OptionError("a mesh needs --displacement-map; a hierarchy has its own");
+  if (options.heights.file.empty())
+    throw OptionError("a mesh needs --displacement-map; a hierarchy has its own");
   if (options.level) throw OptionError("--level is for hierarchies");
-  const PolygonSoup soup = read_unrepaired(options.input, progress);
-  if (soup.n_faces() == 0) throw InputError::in_file(options.input, "holds no faces");
-  if (soup.corner_uvs.empty()) {
-    throw InputError::in_file(options.input, "has no texture coordinates; `recede atlas` makes some");
-  }
-  DisplacementMapOptions heights = options.heights;
-  heights.border = options.periodic ? MapBorder::periodic : MapBorder::clamped;
-  return {DisplacedBase(soup, read_displacement_map(options.map, heights), options.levels, progress)};
+  MeshWithHeights mesh = read_mesh_with_heights(options.input, options.heights, progress);
+  return {DisplacedBase(mesh.base, std::move(mesh.map), options.levels, progress)};
 }
 
 Base read_base(const DiceCommandOptions& options, Progress* progress) {
   if (!fs::is_directory(options.input)) return base_of_mesh(options, progress);
-  if (!options.map.empty()) throw OptionError("--displacement-map is for meshes; a hierarchy has its own");
+  if (!options.heights.file.empty())
+    throw OptionError("--displacement-map is for meshes; a hierarchy has its own");
   return base_of_hierarchy(options, progress);
 }
 
@@ -150,18 +145,7 @@ void add_base(CLI::App& command, DiceCommandOptions& options) {
   command
       .add_option("--level", options.level, "this level of a hierarchy (the finest with a displacement map)")
       ->group(group);
-  command
-      .add_option("--displacement-map", options.map, "of a mesh: a grey .png, or an .exr with the channel Y")
-      ->option_text("FILE")
-      ->group(group);
-  command
-      .add_option("--displacement-scale", options.heights.scale,
-                  "height of the value 1, white in a .png, object units (1)")
-      ->group(group);
-  command
-      .add_option("--displacement-offset", options.heights.offset, "height of the value 0, object units (0)")
-      ->group(group);
-  command.add_flag("--periodic-map", options.periodic, "the map repeats beyond its border")->group(group);
+  add_height_map_options(command, options.heights, group);
   command
       .add_option("--map-levels", options.levels.rule,
                   "coarser levels of the map: mean (default), or least_volume, which takes seconds")

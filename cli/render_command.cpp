@@ -1,11 +1,8 @@
 #include "common.h"
+#include "drawn_levels.h"
 #include "lighting_options.h"
-#include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
-#include <recede/lod/lod_selection.h>
-#include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
-#include <recede/render/progressive_render.h>
 
 #include <fmt/format.h>
 
@@ -19,123 +16,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class FalseColor { none, level, error, samples };
-enum class ChooseBy { error, distance };
-
-struct RenderCommandOptions {
+struct RenderCommandOptions : DrawnOptions {
   CommonOptions common;
-  std::string input, output;
-  ViewOptions view;
-  int width = 800, height = 600;
-  std::optional<std::size_t> level;
-  ChooseBy level_rule = ChooseBy::error;
-  double pixel_error = 1;
-  std::optional<double> distance_unit;
-  double near_limit = 0;
-  int samples = 16;
-  bool wireframe = false, flat = false, no_maps = false, ground = false;
-  LightingOptions lighting;
-  FalseColor false_color = FalseColor::none;
+  std::string output;
+
   // Of a turntable.
   int frames = 36;
   double turn = 360;  // degrees
   std::optional<double> until_distance;
-};
-
-/// Levels that can be drawn: those of a hierarchy, or a mesh alone.
-class Drawn {
- public:
-  Drawn(const RenderCommandOptions& options, Progress* progress) : options_(options) {
-    if (fs::is_directory(options.input)) {
-      hierarchy_ = read_hierarchy(options.input);
-    } else {
-      Model model = read_model(options.input, progress);
-      require_faces(model, options.input);
-      hierarchy_.levels.emplace_back().mesh = std::move(model.read.mesh);
-    }
-    scenes_.resize(hierarchy_.levels.size());
-    if (options.level && *options.level >= scenes_.size()) {
-      throw OptionError(fmt::format("there is no level {}, only {}", *options.level, scenes_.size()));
-    }
-    if (scenes_.size() == 1 &&
-        (options.false_color == FalseColor::level || options.false_color == FalseColor::error)) {
-      throw OptionError(options.input + " has one level, and nothing to show by false colours");
-    }
-    if (options.false_color == FalseColor::samples && options.lighting.noise == 0)
-      throw OptionError("without --noise all pixels have the same number of samples");
-    rendering_.samples_per_pixel = options.samples;
-    if (options.wireframe) rendering_.wireframe = Wireframe{};
-    set_lighting(options.lighting, up_direction(options.view.up, options.input), rendering_);
-    finest_ = to_soup(hierarchy_.levels[0].mesh);
-    if (scenes_.size() > 1) surface_.emplace(finest_.positions, triangulate(finest_));
-  }
-
-  const PolygonSoup& finest() const { return finest_; }
-  const LodHierarchy& hierarchy() const { return hierarchy_; }
-
-  /// The level for a camera, from the one that was shown before.
-  std::size_t choose(const Camera& camera, std::optional<std::size_t> before) const {
-    if (options_.level) return *options_.level;
-    if (!surface_) return 0;
-    const double distance = std::sqrt(surface_->closest(camera.position).squared_distance);
-    if (options_.level_rule == ChooseBy::distance) {
-      const double to_sphere = (camera.position - hierarchy_.center).norm() - hierarchy_.radius;
-      return level_by_distance(
-          hierarchy_, to_sphere, distance,
-          {.unit = options_.distance_unit.value_or(hierarchy_.radius), .near_limit = options_.near_limit});
-    }
-    const ViewSettings view{static_cast<double>(camera.height), camera.field_of_view, options_.pixel_error};
-    return level_by_error(hierarchy_, distance, {.view = view, .current = before});
-  }
-
-  Image draw(const Camera& camera, std::size_t level, Progress* progress) {
-    if (options_.false_color != FalseColor::samples)
-      return render(scene_of(level), camera, rendering_, progress);
-    ProgressiveRender picture(scene_of(level), camera, rendering_);
-    picture.add_samples(options_.samples, progress);
-    return heat_map(picture.sample_counts(), options_.samples);
-  }
-
- private:
-  const Scene& scene_of(std::size_t level) {
-    std::optional<Scene>& scene = scenes_[level];
-    if (scene) return *scene;
-    SceneOptions shading;
-    if (options_.flat) shading.crease_angle = 0;
-    if (options_.ground) shading.ground = Ground{.up = up_direction(options_.view.up, options_.input)};
-    const LodLevel& drawn = hierarchy_.levels[level];
-    PolygonSoup soup = drawn.maps && !options_.no_maps ? dice_surface(*drawn.maps) : to_soup(drawn.mesh);
-    if (options_.false_color == FalseColor::level)
-      paint(soup, [&](const Vec3&) { return level_share(level); });
-    if (options_.false_color == FalseColor::error) paint(soup, [&](const Vec3& p) { return error_share(p); });
-    return scene.emplace(soup, shading);
-  }
-
-  template <typename Share>
-  static void paint(PolygonSoup& soup, Share&& share_at) {
-    soup.materials.clear();
-    soup.face_materials.clear();
-    soup.vertex_colors.clear();
-    for (const Vec3& position : soup.positions) {
-      const Rgb color = heat_map_color(share_at(position));
-      soup.vertex_colors.emplace_back(color.x(), color.y(), color.z(), 1);
-    }
-  }
-  double level_share(std::size_t level) const {
-    return static_cast<double>(level) / static_cast<double>(std::max<std::size_t>(scenes_.size() - 1, 1));
-  }
-  /// Distance from the input over the coarsest level's bound.
-  double error_share(const Vec3& position) const {
-    const double most = hierarchy_.levels.back().error.bound;
-    return surface_ && most > 0 ? std::sqrt(surface_->closest(position).squared_distance) / most : 0;
-  }
-
-  const RenderCommandOptions& options_;
-  LodHierarchy hierarchy_;
-  PolygonSoup finest_;
-  std::optional<ClosestPointTree> surface_;
-  std::vector<std::optional<Scene>> scenes_;
-  RenderOptions rendering_;
 };
 
 /// Where it was asked to stand, or where the whole model is seen from in front.
@@ -155,7 +43,8 @@ Json frame_to_json(const Drawn& drawn, const fs::path& file, const Camera& camer
   const auto point = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
   return {{"file", file.string()},
           {"level", level},
-          {"faces", drawn.hierarchy().levels[level].mesh.n_faces()},
+          {"faces", drawn.n_faces(level)},
+          {"displacement", std::string(name_of(drawn.method_of(level)))},
           {"error_bound", drawn.hierarchy().levels[level].error.bound},
           {"eye", point(camera.position)},
           {"look_at", point(camera.target)}};
@@ -180,8 +69,7 @@ void run_render(const RenderCommandOptions& options) {
     document["seconds"] = seconds_since(start);
     return print_json(document);
   }
-  fmt::print("level        {}, {} faces\nwritten      {}\n", level,
-             drawn.hierarchy().levels[level].mesh.n_faces(), options.output);
+  fmt::print("level        {}, {} faces\nwritten      {}\n", level, drawn.n_faces(level), options.output);
 }
 
 /// Turns around the target, and goes away evenly in proportion when there is a last distance.
@@ -281,12 +169,33 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->group(drawing);
   command
       .add_option(
+          "--displacement", options.displacement,
+          "how heights are drawn: traced (default) without tessellation; diced, as triangles made for the "
+          "view; tessellated, as small triangles of equal parts; none")
+      ->transform(one_of<Displacement>({{"traced", Displacement::traced},
+                                        {"diced", Displacement::diced},
+                                        {"tessellated", Displacement::tessellated},
+                                        {"none", Displacement::none}}))
+      ->option_text("traced|diced|tessellated|none")
+      ->group(drawing);
+  command
+      .add_option("--subdivision-level", options.subdivision_level,
+                  "of traced heights: every triangle of the base becomes 4^N (about two to a texel)")
+      ->check(CLI::Range(0, 14))
+      ->option_text("N")
+      ->group(drawing);
+  add_height_map_options(command, options.heights, drawing);
+  command
+      .add_option(
           "--false-color", options.false_color,
           "level: dark is the finest; error: distances of vertices from the input, dark is none, light "
-          "the coarsest level's bound; samples: how many each pixel got of --samples")
-      ->transform(one_of<FalseColor>(
-          {{"level", FalseColor::level}, {"error", FalseColor::error}, {"samples", FalseColor::samples}}))
-      ->option_text("level|error|samples")
+          "the coarsest level's bound; method: green is traced, yellow diced, blue tessellated, grey without "
+          "heights; samples: how many each pixel got of --samples")
+      ->transform(one_of<FalseColor>({{"level", FalseColor::level},
+                                      {"error", FalseColor::error},
+                                      {"method", FalseColor::method},
+                                      {"samples", FalseColor::samples}}))
+      ->option_text("level|error|method|samples")
       ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
   command.add_flag("--ground", options.ground, "a wide floor under the model")->group(drawing);

@@ -11,8 +11,8 @@
 namespace recede {
 namespace {
 
+using detail::MapPlace;
 using detail::MapTriangles;
-using detail::SurfacePoint;
 
 /// Small triangles of one large one: points in rows from its first corner to the opposite side.
 class Dicer {
@@ -46,7 +46,7 @@ class Dicer {
   Point point_at(std::size_t t, std::size_t row, std::size_t column) const {
     const double n = static_cast<double>(parts_);
     const Vec3 weights(double(parts_ - row) / n, double(row - column) / n, double(column) / n);
-    const SurfacePoint place = triangles_.at(t, weights);
+    const MapPlace place = triangles_.at(t, weights);
     Point point{place.position, place.normal, Vec2::Zero()};
     for (std::size_t k = 0; k < 3; ++k)
       point.uv += weights[static_cast<Eigen::Index>(k)] * triangles_.uv(t, k);

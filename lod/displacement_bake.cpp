@@ -16,7 +16,7 @@ namespace recede {
 namespace {
 
 using detail::FineSurface;
-using detail::SurfacePoint;
+using detail::MapPlace;
 using Vec3f = Eigen::Vector3f;
 
 void require(bool condition, const char* text) {
@@ -66,7 +66,7 @@ Vec3 normal_of(const BakedMaps& maps, Index texel) {
 }
 
 /// A normal of object space in the frame of a place. glTF's normals don't point below the surface.
-Vec3 to_tangent_space(const SurfacePoint& point, const Vec3& normal) {
+Vec3 to_tangent_space(const MapPlace& point, const Vec3& normal) {
   Eigen::Matrix3d frame;
   frame << point.tangent, point.bitangent, point.normal;
   constexpr double k_flat = 1e-3;  // volume of the frame's unit vectors
@@ -151,7 +151,7 @@ class Baker {
   /// Returns whether the line met nothing.
   bool bake_texel(const detail::MapTriangles& triangles, const FineSurface& surface, std::size_t texel) {
     const std::size_t t = owners_.triangles[texel];
-    const SurfacePoint point = triangles.at(t, weights_for(triangles, t, texel));
+    const MapPlace point = triangles.at(t, weights_for(triangles, t, texel));
     const FineSurface::Place place = surface.over(point, maps_.report.search_distance);
     heights_[texel] = place.height;
     if (!normals_.empty()) normals_[texel] = to_tangent_space(point, surface.normal_at(place)).cast<float>();

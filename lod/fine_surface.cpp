@@ -35,7 +35,7 @@ FineSurface::FineSurface(const PolygonSoup& soup)
   }
 }
 
-FineSurface::Place FineSurface::over(const SurfacePoint& point, double reach) const {
+FineSurface::Place FineSurface::over(const MapPlace& point, double reach) const {
   const auto crossing = tree_.nearest_crossing(point.position, point.normal, reach);
   if (crossing.triangle != k_no_index) return {crossing.distance, crossing.triangle, crossing.weights, false};
   const auto closest = tree_.closest(point.position);

@@ -180,8 +180,8 @@ Vec3 MapTriangles::weights(std::size_t triangle, const Vec2& point) const {
   return {first, second, 1 - first - second};
 }
 
-SurfacePoint MapTriangles::at(std::size_t triangle, const Vec3& weights) const {
-  SurfacePoint point{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+MapPlace MapTriangles::at(std::size_t triangle, const Vec3& weights) const {
+  MapPlace point{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   for (std::size_t k = 0; k < 3; ++k) {
     const Index c = corner(triangle, k);
     const double weight = weights[static_cast<Eigen::Index>(k)];

@@ -46,7 +46,7 @@ void CameraRays::aim(int left, int top, const Places& places, RayPacket& packet)
     ray.tfar[lane] = std::numeric_limits<float>::infinity();
     ray.time[lane] = 0;
     ray.mask[lane] = 0xffffffffu;
-    ray.id[lane] = 0;
+    ray.id[lane] = static_cast<unsigned>(lane);
     ray.flags[lane] = 0;
     packet.rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
   }

@@ -12,10 +12,10 @@
 
 namespace recede {
 
-using detail::DisplacedContext;
 using detail::DisplacedPatch;
 using detail::PatchArrays;
 using detail::PatchRayQuery;
+using detail::RayContext;
 
 namespace {
 
@@ -60,14 +60,11 @@ std::vector<std::uint8_t> levels_of(const PolygonSoup& base, const DisplacementM
   return options.triangle_levels;
 }
 
-void check(const PolygonSoup& base) {
+const PolygonSoup& checked(const PolygonSoup& base) {
   validate(base, "displaced surface");
   if (base.n_faces() == 0) throw InputError("a displaced surface needs a base with faces");
   if (base.corner_uvs.empty()) throw InputError("a displaced surface needs texture coordinates");
-  for (std::size_t c = 0; c < base.corner_uvs.size(); ++c) {
-    if (!base.corner_uvs[c].allFinite())
-      throw InputError("the texture coordinate of corner " + std::to_string(c) + " isn't finite");
-  }
+  return base;
 }
 
 /// Maps of one column or row get a second one, the same: the kernel reads texels in pairs.
@@ -183,11 +180,14 @@ PatchRayQuery query_of(const RTCRayN* rays, unsigned count, unsigned k) {
 
 /// The rays of a call from Embree that are valid, and which they are.
 struct ValidRays {
-  ValidRays(const int* valid, const RTCRayN* rays, unsigned n, float fraction) {
+  ValidRays(const int* valid, const RTCRayN* rays, unsigned n, const RayContext& context,
+            const detail::SurfacePart& part) {
+    const bool starts_here = context.from.object == part.object && context.from.primitive == part.primitive;
     for (unsigned k = 0; k < n; ++k) {
       if (valid[k] == 0) continue;
       queries[count] = query_of(rays, n, k);
-      queries[count].fraction = fraction;
+      queries[count].fraction = context.fraction;
+      queries[count].left_out = starts_here ? context.from.small : detail::SurfacePart::k_none;
       numbers[count++] = k;
     }
   }
@@ -199,11 +199,11 @@ struct ValidRays {
 
 void intersect_patch(const RTCIntersectFunctionNArguments* arguments) {
   const auto& data = *static_cast<const DisplacedMesh::Data*>(arguments->geometryUserPtr);
-  auto& context = *reinterpret_cast<DisplacedContext*>(arguments->context);
+  auto& context = *reinterpret_cast<RayContext*>(arguments->context);
   const unsigned n = arguments->N;
   RTCRayN* all_rays = RTCRayHitN_RayN(arguments->rayhit, n);
   RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, n);
-  ValidRays rays(arguments->valid, all_rays, n, context.fraction);
+  ValidRays rays(arguments->valid, all_rays, n, context, {arguments->geomID, arguments->primID});
   for (unsigned r = 0; r < rays.count; ++r) {
     // Of parts that are met at one distance, that of the least number counts, whichever comes first.
     const unsigned k = rays.numbers[r];
@@ -230,14 +230,15 @@ void intersect_patch(const RTCIntersectFunctionNArguments* arguments) {
     RTCHitN_Ng_x(hits, n, k) = query.normal[0];
     RTCHitN_Ng_y(hits, n, k) = query.normal[1];
     RTCHitN_Ng_z(hits, n, k) = query.normal[2];
-    context.triangle = query.triangle;
+    context.small[RTCRayN_id(all_rays, n, k)] = query.triangle;
   }
 }
 
 void occlude_patch(const RTCOccludedFunctionNArguments* arguments) {
   const auto& data = *static_cast<const DisplacedMesh::Data*>(arguments->geometryUserPtr);
-  const auto& context = *reinterpret_cast<const DisplacedContext*>(arguments->context);
-  ValidRays rays(arguments->valid, arguments->ray, arguments->N, context.fraction);
+  const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
+  ValidRays rays(arguments->valid, arguments->ray, arguments->N, context,
+                 {arguments->geomID, arguments->primID});
   const detail::DisplacedKernel& kernel = detail::displaced_kernel();
   if (rays.count == 1) {
     kernel.is_hit(data.arrays(), arguments->primID, rays.queries[0]);
@@ -248,11 +249,6 @@ void occlude_patch(const RTCOccludedFunctionNArguments* arguments) {
     if (rays.queries[r].is_met)
       RTCRayN_tfar(arguments->ray, arguments->N, rays.numbers[r]) = -std::numeric_limits<float>::infinity();
   }
-}
-
-void start(DisplacedContext& context, const DisplacedRayOptions& options) {
-  rtcInitIntersectContext(&context.embree);
-  context.fraction = static_cast<float>(options.fraction);
 }
 
 }  // namespace
@@ -275,13 +271,16 @@ RTCGeometry displaced_geometry(RTCDevice device, const DisplacedMesh::Data& data
 DisplacedMesh::Data::Data(const PolygonSoup& base, DisplacementMap heights,
                           const DisplacedMeshOptions& options)
     : map(at_least_two(std::move(heights))),
-      frame(frame_of(base)),
+      frame(frame_of(checked(base))),
       patches(detail::make_displaced_patches(base, frame, map.columns(), map.rows(),
                                              levels_of(base, map, options))),
       partial(options.partial) {
   detail::divide_into_parts(patches);
   bounds.emplace(map);
   view = view_of(*bounds, frame.scale);
+}
+
+void DisplacedMesh::Data::build_scene() {
   const RTCDevice device = detail::embree_device();
   scene = rtcNewScene(device);
   // The compact flag keeps a third of the memory and costs no speed here.
@@ -332,35 +331,34 @@ PatchArrays DisplacedMesh::Data::arrays() const {
           patches.vertices.data(), patches.exceptions.data(), &view};
 }
 
-DisplacedMesh::Hit DisplacedMesh::Data::hit_of(std::uint32_t part, const PatchRayQuery& query) const {
+DisplacedMesh::Data::BasePlace DisplacedMesh::Data::base_place(std::uint32_t part, std::uint32_t small,
+                                                               double patch_u, double patch_v) const {
   const std::uint32_t number = patches.parts.empty() ? part : patches.parts[part].patch;
   const DisplacedPatch& patch = patches.patches[number];
-  const bool second = !patch.is_single && (query.triangle & 1) != 0
-                          ? query.u + query.v >= 1
-                          : !patch.is_single && query.u + query.v > 1;
-  Hit hit;
-  hit.t = query.t_max;
-  hit.triangle = patches.triangles[number][second ? 1 : 0];
-  hit.face = patches.faces[hit.triangle];
-  const double u = second ? 1 - query.u : query.u, v = second ? 1 - query.v : query.v;
+  // On the diagonal, the small triangle tells the side.
+  const double sum = patch_u + patch_v;
+  const bool second = patch.is_single == 0 && ((small & 1) != 0 ? sum >= 1 : sum > 1);
+  const double u = second ? 1 - patch_u : patch_u, v = second ? 1 - patch_v : patch_v;
   const Vec3 weights(1 - u - v, u, v);  // of a, b, d; of c, d, b
-  const std::array<int, 3> corners = second ? std::array{2, 3, 1} : std::array{0, 1, 3};
+  const std::array<std::size_t, 3> corners =
+      second ? std::array<std::size_t, 3>{2, 3, 1} : std::array<std::size_t, 3>{0, 1, 3};
+  BasePlace place;
+  place.triangle = patches.triangles[number][second ? 1 : 0];
   double x = 0, y = 0;
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    x += weights[k] * patch.x[corners[static_cast<std::size_t>(k)]];
-    y += weights[k] * patch.y[corners[static_cast<std::size_t>(k)]];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double weight = weights[static_cast<Eigen::Index>(k)];
+    x += weight * static_cast<double>(patch.x[corners[k]]);
+    y += weight * static_cast<double>(patch.y[corners[k]]);
+    place.weights[static_cast<Eigen::Index>((patch.first_corner[second ? 1 : 0] + k) % 3)] = weight;
   }
-  for (Eigen::Index k = 0; k < 3; ++k) hit.weights[(patch.first_corner[second ? 1 : 0] + k) % 3] = weights[k];
-  hit.uv = {(x - 0.5) / map.columns(), 1 - (y - 0.5) / map.rows()};
-  hit.normal = Vec3(query.normal[0], query.normal[1], query.normal[2]).stableNormalized();
-  hit.small = std::uint64_t{part} << 32 | query.triangle;
-  return hit;
+  place.uv = {(x - 0.5) / map.columns(), 1 - (y - 0.5) / map.rows()};
+  return place;
 }
 
 DisplacedMesh::DisplacedMesh(const PolygonSoup& base, DisplacementMap map,
                              const DisplacedMeshOptions& options) {
-  check(base);
   data_ = std::make_unique<Data>(base, std::move(map), options);
+  data_->build_scene();
 }
 DisplacedMesh::~DisplacedMesh() = default;
 DisplacedMesh::DisplacedMesh(DisplacedMesh&&) noexcept = default;
@@ -377,27 +375,30 @@ std::optional<DisplacedMesh::Hit> DisplacedMesh::first_hit(const Vec3& origin, c
   RTCRayHit ray{};
   if (!data_->set_ray(origin, direction, options, ray.ray)) return std::nullopt;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  DisplacedContext context;
-  start(context, options);
+  RayContext context = detail::make_ray_context();
+  context.fraction = static_cast<float>(options.fraction);
   rtcIntersect1(data_->scene, &context.embree, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  PatchRayQuery query{};
-  query.t_max = ray.ray.tfar;
-  query.u = ray.hit.u;
-  query.v = ray.hit.v;
-  query.normal[0] = ray.hit.Ng_x;
-  query.normal[1] = ray.hit.Ng_y;
-  query.normal[2] = ray.hit.Ng_z;
-  query.triangle = context.triangle;
-  return data_->hit_of(ray.hit.primID, query);
+  const std::uint32_t part = ray.hit.primID, small = context.small[0];
+  const Data::BasePlace place =
+      data_->base_place(part, small, static_cast<double>(ray.hit.u), static_cast<double>(ray.hit.v));
+  Hit hit;
+  hit.t = static_cast<double>(ray.ray.tfar);
+  hit.face = data_->patches.faces[place.triangle];
+  hit.triangle = place.triangle;
+  hit.weights = place.weights;
+  hit.uv = place.uv;
+  hit.normal = Vec3(ray.hit.Ng_x, ray.hit.Ng_y, ray.hit.Ng_z).stableNormalized();
+  hit.small = std::uint64_t{part} << 32 | small;
+  return hit;
 }
 
 bool DisplacedMesh::is_hit(const Vec3& origin, const Vec3& direction,
                            const DisplacedRayOptions& options) const {
   RTCRay ray{};
   if (!data_->set_ray(origin, direction, options, ray)) return false;
-  DisplacedContext context;
-  start(context, options);
+  RayContext context = detail::make_ray_context();
+  context.fraction = static_cast<float>(options.fraction);
   rtcOccluded1(data_->scene, &context.embree, &ray);
   return ray.tfar < 0;
 }

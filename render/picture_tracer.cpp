@@ -1,3 +1,4 @@
+#include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/picture_tracer.h>
 #include <recede/render/detail/wireframe.h>
 
@@ -50,8 +51,9 @@ Rgb PictureTracer::camera_light_on(const Vec3f& normal) const {
 
 float PictureTracer::line_factor_at(const RayPacket& packet, int lane, const Hit& hit) const {
   const float pixel = (packet.entry[lane] + hit.distance) * static_cast<float>(rays_.frame().pixel);
-  return line_factor(scene_.meshes[hit.part.object], *options_.wireframe, hit, packet.directions[lane],
-                     pixel);
+  const MeshData& mesh = scene_.meshes[hit.part.object];
+  return line_factor(mesh, *options_.wireframe, mesh.displaced ? hit_of_base(*mesh.displaced, hit) : hit,
+                     packet.directions[lane], pixel);
 }
 
 void PictureTracer::sample_block(int left, int top, int sample, BlockColors& colors) const {

@@ -1,5 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/shading_normals.h>
+#include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/embree_device.h>
 #include <recede/render/detail/ground_disc.h>
 #include <recede/render/detail/scene_data.h>
@@ -16,6 +17,7 @@ namespace recede {
 
 namespace {
 
+using detail::DisplacedLook;
 using detail::embree_device;
 using detail::MeshData;
 using detail::SceneData;
@@ -30,6 +32,12 @@ void place_scene(std::span<const PolygonSoup> soups, SceneData& data) {
   data.scale = extent > 0 ? 1 / extent : 1;
 }
 
+void extend_radius(double radius, SceneData& data) {
+  // Room for the rounding to float, so that a ray that misses the sphere misses the surface.
+  constexpr double k_rounding_room = 1e-5;
+  data.radius = std::max(data.radius, radius * (1 + k_rounding_room) + k_rounding_room);
+}
+
 void copy_positions(const PolygonSoup& soup, SceneData& data, MeshData& mesh) {
   mesh.positions.resize(soup.positions.size());
   double squared_radius = 0;
@@ -39,9 +47,7 @@ void copy_positions(const PolygonSoup& soup, SceneData& data, MeshData& mesh) {
     mesh.positions[v] = {static_cast<float>(scaled.x()), static_cast<float>(scaled.y()),
                          static_cast<float>(scaled.z()), 0.0f};
   }
-  // Room for the rounding to float, so that a ray that misses the sphere misses the surface.
-  constexpr double k_rounding_room = 1e-5;
-  data.radius = std::max(data.radius, std::sqrt(squared_radius) * (1 + k_rounding_room) + k_rounding_room);
+  extend_radius(std::sqrt(squared_radius), data);
 }
 
 bool is_polygon_side(const PolygonSoup& soup, Index face, Index from, Index to) {
@@ -114,6 +120,16 @@ void add_mesh(const PolygonSoup& soup, double crease_angle, SceneData& data) {
   for (const Vec4& color : soup.vertex_colors) mesh.vertex_colors.emplace_back(color.head<3>().cast<float>());
 }
 
+RTCGeometry triangle_geometry(RTCDevice device, const MeshData& mesh) {
+  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
+                             sizeof(mesh.positions[0]), mesh.positions.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                             sizeof(mesh.triangles[0]), mesh.triangles.size());
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
 void build_embree_scene(SceneData& data) {
   const RTCDevice device = embree_device();
   data.scene = rtcNewScene(device);
@@ -121,12 +137,8 @@ void build_embree_scene(SceneData& data) {
   // Rays that leave a surface carry a filter, see tracing.cpp.
   rtcSetSceneFlags(data.scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   for (const MeshData& mesh : data.meshes) {
-    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(),
-                               0, sizeof(mesh.positions[0]), mesh.positions.size());
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                               sizeof(mesh.triangles[0]), mesh.triangles.size());
-    rtcCommitGeometry(geometry);
+    const RTCGeometry geometry = mesh.displaced ? detail::displaced_geometry(device, mesh.displaced->surface)
+                                                : triangle_geometry(device, mesh);
     rtcAttachGeometry(data.scene, geometry);
     rtcReleaseGeometry(geometry);
   }
@@ -135,6 +147,18 @@ void build_embree_scene(SceneData& data) {
   // their common edge hits. One thread builds 2 million triangles a second, which is enough here.
   tbb::task_arena(1).execute([&data] { rtcCommitScene(data.scene); });
   throw_on_embree_error(device, "build the tree");
+}
+
+/// Around all heights, object space.
+Box3 displaced_box(const DisplacedMesh::Data& surface) {
+  const detail::DisplacedKernel& kernel = detail::displaced_kernel();
+  Box3 box;
+  for (std::uint32_t part = 0; part < surface.n_parts(); ++part) {
+    const detail::PatchBox bounds = kernel.bounds(surface.arrays(), part, surface.partial);
+    box.extend(surface.frame.to_object(Eigen::Vector3f(bounds.lower).cast<double>()));
+    box.extend(surface.frame.to_object(Eigen::Vector3f(bounds.upper).cast<double>()));
+  }
+  return box;
 }
 
 }  // namespace
@@ -163,6 +187,33 @@ Scene::Scene(const PolygonSoup& soup, const SceneOptions& options)
     : Scene(std::span<const PolygonSoup>(&soup, 1), options) {}
 
 Scene::Scene(const PolygonMesh& mesh, const SceneOptions& options) : Scene(to_soup(mesh), options) {}
+
+Scene::Scene(const PolygonSoup& base, const DisplacementMap& heights,
+             const DisplacedMeshOptions& displacement, const SceneOptions& options)
+    : data_(std::make_unique<detail::SceneData>()) {
+  build_displaced(base, std::make_shared<DisplacedLook>(base, heights, displacement), options);
+}
+
+Scene::Scene(const BakedMaps& maps, const DisplacedMeshOptions& displacement, const SceneOptions& options)
+    : data_(std::make_unique<detail::SceneData>()) {
+  build_displaced(maps.surface, std::make_shared<DisplacedLook>(maps, displacement), options);
+}
+
+void Scene::build_displaced(const PolygonSoup& base, std::shared_ptr<DisplacedLook> look,
+                            const SceneOptions& options) {
+  look->is_flat = options.crease_angle == 0;
+  place_scene(std::span<const PolygonSoup>(&base, 1), *data_);
+  add_mesh(base, options.crease_angle, *data_);
+  const Box3 box = displaced_box(look->surface);
+  data_->meshes.front().displaced = std::move(look);
+  extend_radius(std::max(data_->scaled(box.min()).norm(), data_->scaled(box.max()).norm()), *data_);
+  if (options.ground) {
+    PolygonSoup corners;  // of the box around all heights
+    for (int k = 0; k < 8; ++k) corners.positions.push_back(box.corner(static_cast<Box3::CornerType>(k)));
+    add_mesh(detail::ground_disc(std::span<const PolygonSoup>(&corners, 1), *options.ground), 0, *data_);
+  }
+  build_embree_scene(*data_);
+}
 
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;

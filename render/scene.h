@@ -2,6 +2,8 @@
 #pragma once
 
 #include <recede/geometry/polygon_mesh.h>
+#include <recede/lod/displacement_bake.h>
+#include <recede/render/displaced_mesh.h>
 #include <recede/render/image.h>
 
 #include <memory>
@@ -26,7 +28,8 @@ struct SceneOptions {
 
 namespace detail {
 struct SceneData;
-}
+struct DisplacedLook;
+}  // namespace detail
 
 /// Surfaces in Embree. Holds its own copy: the input may go. Coordinates are taken relative to the middle of
 /// the models' bounding box and to its longest side before they are rounded to float, so that neither their
@@ -41,6 +44,13 @@ class Scene {
   explicit Scene(const PolygonMesh& mesh, const SceneOptions& options = {});
   /// Several models, none of them empty.
   explicit Scene(std::span<const PolygonSoup> soups, const SceneOptions& options = {});
+  /// A displaced surface, traced without tessellation; colours are those of the base. It is shaded by the
+  /// slopes of its heights, and as facets with a `crease_angle` of 0. Throws like `DisplacedMesh`.
+  Scene(const PolygonSoup& base, const DisplacementMap& heights, const DisplacedMeshOptions& displacement,
+        const SceneOptions& options = {});
+  /// The same for baked maps, shaded by their normal map where there is one. Throws `InputError` when they
+  /// have no displacement.
+  Scene(const BakedMaps& maps, const DisplacedMeshOptions& displacement, const SceneOptions& options = {});
   ~Scene();
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;
@@ -49,6 +59,8 @@ class Scene {
   const detail::SceneData& data() const { return *data_; }
 
  private:
+  void build_displaced(const PolygonSoup& base, std::shared_ptr<detail::DisplacedLook> look,
+                       const SceneOptions& options);
   std::unique_ptr<detail::SceneData> data_;
 };
 

@@ -1,3 +1,4 @@
+#include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/surface_point.h>
 
 #include <array>
@@ -35,13 +36,18 @@ double rounding_bound(const MeshData& mesh, std::uint32_t triangle, const Vec3& 
 
 }  // namespace
 
-SurfaceLook look_of(const SceneData& scene, const Hit& hit, const Vec3f& direction) {
-  const MeshData& mesh = scene.meshes[hit.part.object];
+SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& direction) {
+  const MeshData& mesh = scene.meshes[any_hit.part.object];
+  const Hit hit = mesh.displaced ? hit_of_base(*mesh.displaced, any_hit) : any_hit;
   const std::uint32_t triangle = hit.part.primitive;
   const Vec3f weights(1 - hit.u - hit.v, hit.u, hit.v);
   SurfaceLook look{Vec3f::Zero(), mesh.triangle_colors[triangle]};
-  for (std::size_t k = 0; k < 3; ++k)
-    look.normal += weights[static_cast<int>(k)] * mesh.corner_normals[3 * triangle + k];
+  if (mesh.displaced) {
+    look.normal = displaced_normal(*mesh.displaced, mesh, hit).cast<float>();
+  } else {
+    for (std::size_t k = 0; k < 3; ++k)
+      look.normal += weights[static_cast<int>(k)] * mesh.corner_normals[3 * triangle + k];
+  }
   // Those of the corners are unit, or nothing.
   const float squared = look.normal.squaredNorm();
   look.normal =
@@ -56,26 +62,42 @@ SurfaceLook look_of(const SceneData& scene, const Hit& hit, const Vec3f& directi
   return look;
 }
 
-SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction) {
-  const MeshData& mesh = scene.meshes[hit.part.object];
+namespace {
+
+/// Position, geometric normal and start; the normal's side isn't chosen yet.
+void place_on_triangle(const MeshData& mesh, const Hit& hit, SurfacePoint& point) {
   const std::array<std::uint32_t, 3>& vertices = mesh.triangles[hit.part.primitive];
   const std::array<Vec3, 3> corners{mesh.position(vertices[0]), mesh.position(vertices[1]),
                                     mesh.position(vertices[2])};
-  const SurfaceLook look = look_of(scene, hit, direction);
-  SurfacePoint point;
-  point.part = hit.part;
   const double u = static_cast<double>(hit.u), v = static_cast<double>(hit.v);
   const Vec3 first = corners[1] - corners[0], second = corners[2] - corners[0];
   point.position = corners[0] + u * first + v * second;
-  const Vec3 ray = direction.cast<double>();
   point.geometric_normal = first.cross(second).stableNormalized();
+}
+
+}  // namespace
+
+SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction) {
+  const MeshData& mesh = scene.meshes[hit.part.object];
+  const SurfaceLook look = look_of(scene, hit, direction);
+  const Vec3 ray = direction.cast<double>();
+  SurfacePoint point;
+  point.part = hit.part;
+  double off = 0;
+  if (mesh.displaced) {
+    point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
+    point.geometric_normal = hit.front.cast<double>().stableNormalized();
+    off = displaced_rounding_bound(mesh, hit_of_base(*mesh.displaced, hit), point.position);
+  } else {
+    place_on_triangle(mesh, hit, point);
+    off = rounding_bound(mesh, hit.part.primitive, point.position);
+  }
   // Of a triangle without area: any normal that is seen.
   if (!(point.geometric_normal.squaredNorm() > 0.5)) point.geometric_normal = -ray.normalized();
   if (point.geometric_normal.dot(ray) > 0) point.geometric_normal = -point.geometric_normal;
   point.normal = look.normal.cast<double>().stableNormalized();
   if (!(point.normal.squaredNorm() > 0.5)) point.normal = point.geometric_normal;
   point.albedo = look.albedo;
-  const double off = rounding_bound(mesh, hit.part.primitive, point.position);
   point.start = (point.position + off * point.geometric_normal).cast<float>();
   return point;
 }

@@ -4,13 +4,8 @@ namespace recede::detail {
 
 namespace {
 
-/// What Embree hands on to filters.
-struct RayContext {
-  RTCIntersectContext embree;  // first, as Embree sees no more than this
-  SurfacePart from;
-};
-
-/// Refuses the part on which the ray starts.
+/// Refuses the triangle on which the ray starts. Embree doesn't ask this of displaced surfaces, which do it
+/// themselves.
 void refuse_start(const RTCFilterFunctionNArguments* arguments) {
   const SurfacePart& from = reinterpret_cast<const RayContext*>(arguments->context)->from;
   for (unsigned i = 0; i < arguments->N; ++i) {
@@ -21,8 +16,7 @@ void refuse_start(const RTCFilterFunctionNArguments* arguments) {
 }
 
 RayContext context_of(const Ray& ray) {
-  RayContext context;
-  rtcInitIntersectContext(&context.embree);
+  RayContext context = make_ray_context();
   context.from = ray.from;
   if (ray.from.object != RTC_INVALID_GEOMETRY_ID) context.embree.filter = refuse_start;
   return context;
@@ -50,10 +44,11 @@ bool nearest_hit(const SceneData& scene, const Ray& ray, Hit& hit) {
   found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene.scene, &context.embree, &found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  hit = {{found.hit.geomID, found.hit.primID},
+  hit = {{found.hit.geomID, found.hit.primID, context.small[0]},
          found.hit.u,
          found.hit.v,
          found.ray.tfar,
+         ray.origin,
          Vec3f(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z)};
   return true;
 }
@@ -69,10 +64,10 @@ void nearest_hits(const SceneData& scene, RayPacket& packet) {
   bool any = false;
   for (const int active : packet.active) any |= active != 0;
   if (!any) return;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(packet.active, scene.scene, &context, &packet.rays);
+  RayContext context = make_ray_context();
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect16(packet.active, scene.scene, &context.embree, &packet.rays);
+  packet.small = context.small;
 }
 
 }  // namespace recede::detail

@@ -18,7 +18,7 @@ class FineSurface {
     Vec3 weights = Vec3::Zero();  ///< of its corners
     bool missed = false;          ///< the line met nothing: the closest point
   };
-  Place over(const SurfacePoint& point, double reach) const;
+  Place over(const MapPlace& point, double reach) const;
 
   /// The soup's own normal, or else smooth but for creases; unit length.
   Vec3 normal_at(const Place& place) const;

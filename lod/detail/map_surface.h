@@ -23,7 +23,7 @@ std::vector<Vec4> tangents_of(const PolygonSoup& soup);
 std::vector<Index> points_of_corners(const PolygonSoup& soup);
 
 /// A place on the coarse surface.
-struct SurfacePoint {
+struct MapPlace {
   Vec3 position;
   Vec3 normal;              ///< unit
   Vec3 tangent, bitangent;  ///< unit, not perpendicular in general
@@ -43,7 +43,7 @@ class MapTriangles {
   /// Weights of the corners at a texture coordinate, which may lie outside.
   Vec3 weights(std::size_t triangle, const Vec2& uv) const;
   /// The place with these weights; outside of the triangle, its continuation.
-  SurfacePoint at(std::size_t triangle, const Vec3& weights) const;
+  MapPlace at(std::size_t triangle, const Vec3& weights) const;
 
  private:
   const BakedMaps& maps_;

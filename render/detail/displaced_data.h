@@ -2,9 +2,8 @@
 #pragma once
 
 #include <recede/render/detail/displaced_patches.h>
+#include <recede/render/detail/ray_context.h>
 #include <recede/render/displaced_mesh.h>
-
-#include <embree3/rtcore.h>
 
 namespace recede {
 
@@ -15,6 +14,7 @@ struct DisplacedMesh::Data {
   Data& operator=(const Data&) = delete;
 
   detail::PatchArrays arrays() const;
+  void build_scene();
   void take_map(DisplacementMap heights);
   /// False for a ray that can't meet anything. Throws `OptionError` for a fraction that can't be had.
   bool set_ray(const Vec3& origin, const Vec3& direction, const DisplacedRayOptions& options,
@@ -22,7 +22,13 @@ struct DisplacedMesh::Data {
   std::size_t n_parts() const {
     return patches.parts.empty() ? patches.patches.size() : patches.parts.size();
   }
-  Hit hit_of(std::uint32_t part, const detail::PatchRayQuery& query) const;
+  /// A place in a patch as one in its base triangle.
+  struct BasePlace {
+    Index triangle = 0;  ///< of `triangulate(base)`
+    Vec3 weights{0, 0, 0};
+    Vec2 uv{0, 0};
+  };
+  BasePlace base_place(std::uint32_t part, std::uint32_t small, double u, double v) const;
 
   DisplacementMap map;
   std::optional<HeightBounds> bounds;
@@ -30,19 +36,12 @@ struct DisplacedMesh::Data {
   detail::DisplacedPatches patches;
   bool partial = false;
   detail::HeightMapView view;
-  RTCScene scene = nullptr;
+  RTCScene scene = nullptr;  ///< null until `build_scene`
 };
 
 namespace detail {
 
-/// What travels with rays through Embree beside the ray.
-struct DisplacedContext {
-  RTCIntersectContext embree;
-  float fraction = 1;
-  std::uint32_t triangle = 0;  ///< of the hit, as in `PatchRayQuery`
-};
-
-/// A geometry of one primitive for each part. `data` stays in place. Rays bring a `DisplacedContext`.
+/// A geometry of one primitive for each part. `data` stays in place. Rays bring a `RayContext`.
 RTCGeometry displaced_geometry(RTCDevice device, const DisplacedMesh::Data& data);
 
 }  // namespace detail

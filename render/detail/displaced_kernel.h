@@ -79,12 +79,13 @@ struct PatchRayQuery {
   float origin[3];
   float direction[3];  ///< any length but 0
   float t_min;
-  float t_max;                ///< a hit sets it to its own t
-  bool accepts_equal = true;  ///< a hit at t_max counts
-  float fraction = 1;         ///< of the displacement that is applied, 0 to 1
-  bool is_met = false;        ///< set by a hit
-  float u, v;                 ///< of the hit: place in the patch, a at (0, 0), b at (1, 0), d at (0, 1)
-  float normal[3];            ///< of its small triangle, any length, outwards
+  float t_max;                           ///< a hit sets it to its own t
+  bool accepts_equal = true;             ///< a hit at t_max counts
+  float fraction = 1;                    ///< of the displacement that is applied, 0 to 1
+  std::uint32_t left_out = 0xffffffffu;  ///< number of a small triangle that can't be met
+  bool is_met = false;                   ///< set by a hit
+  float u, v;              ///< of the hit: place in the patch, a at (0, 0), b at (1, 0), d at (0, 1)
+  float normal[3];         ///< of its small triangle, any length, outwards
   std::uint32_t triangle;  ///< its number: 2 * (i + 2^level * j), and 1 more for the upper half of its square
 };
 

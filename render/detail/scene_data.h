@@ -8,11 +8,15 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace recede::detail {
 
-/// A mesh in Embree. Lengths and places are those of the scaled scene.
+struct DisplacedLook;
+
+/// A mesh in Embree, or the base of a displaced surface there. Lengths and places are those of the scaled
+/// scene.
 struct MeshData {
   std::vector<std::array<float, 4>> positions;  ///< the fourth is padding: Embree reads 16 bytes
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -21,8 +25,9 @@ struct MeshData {
   std::vector<Rgb> vertex_colors;  ///< factors, or empty
   /// Bit k: the side from vertex k to vertex k + 1 is a side of the polygon, not a diagonal.
   std::vector<std::uint8_t> polygon_sides;
-  std::vector<float> polygon_areas;  ///< of the polygon that the triangle belongs to
-  std::vector<float> longest_sides;  ///< of the triangles at each vertex
+  std::vector<float> polygon_areas;                     ///< of the polygon that the triangle belongs to
+  std::vector<float> longest_sides;                     ///< of the triangles at each vertex
+  std::shared_ptr<const DisplacedLook> displaced = {};  ///< null: the triangles themselves are drawn
 
   Vec3 position(std::uint32_t vertex) const {
     return Eigen::Vector3f(positions[vertex].data()).cast<double>();

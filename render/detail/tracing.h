@@ -1,20 +1,14 @@
 // Rays against a scene. All tracing goes through here, so that what a ray carries along stands in one place.
 #pragma once
 
+#include <recede/render/detail/ray_context.h>
 #include <recede/render/detail/scene_data.h>
 
-#include <cstdint>
 #include <limits>
 
 namespace recede::detail {
 
 using Vec3f = Eigen::Vector3f;
-
-/// A part of a surface that Embree knows by number.
-struct SurfacePart {
-  std::uint32_t object = RTC_INVALID_GEOMETRY_ID;  ///< among `SceneData::meshes`
-  std::uint32_t primitive = RTC_INVALID_GEOMETRY_ID;
-};
 
 /// In the scaled scene.
 struct Ray {
@@ -26,9 +20,11 @@ struct Ray {
 
 struct Hit {
   SurfacePart part;
-  float u = 0, v = 0;    ///< weights of the triangle's second and third corner
-  float distance = 0;    ///< along the ray
-  Vec3f front{0, 0, 0};  ///< normal on the side from which corners run counter-clockwise, any length
+  float u = 0, v = 0;     ///< weights of the triangle's second and third corner; of a displaced surface as
+                          ///< Embree has them, see `DisplacedPatch`
+  float distance = 0;     ///< along the ray
+  Vec3f origin{0, 0, 0};  ///< of the ray
+  Vec3f front{0, 0, 0};   ///< normal on the side from which corners run counter-clockwise, any length
 };
 
 /// The first surface along the ray. False: none.
@@ -46,13 +42,15 @@ struct RayPacket {
   alignas(64) RTCRayHit16 rays;
   Vec3f directions[k_lanes];
   float entry[k_lanes];  ///< from the camera to the ray's origin, units of the scaled scene
+  std::array<std::uint32_t, k_lanes> small;  ///< of hits of displaced surfaces, as in `SurfacePart`
 
   bool hits(int lane) const { return active[lane] != 0 && rays.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID; }
   Hit hit(int lane) const {
-    return {{rays.hit.geomID[lane], rays.hit.primID[lane]},
+    return {{rays.hit.geomID[lane], rays.hit.primID[lane], small[static_cast<std::size_t>(lane)]},
             rays.hit.u[lane],
             rays.hit.v[lane],
             rays.ray.tfar[lane],
+            Vec3f(rays.ray.org_x[lane], rays.ray.org_y[lane], rays.ray.org_z[lane]),
             Vec3f(rays.hit.Ng_x[lane], rays.hit.Ng_y[lane], rays.hit.Ng_z[lane])};
   }
 };

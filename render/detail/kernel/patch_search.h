@@ -102,6 +102,7 @@ class Leaf {
                         j = square_.j + static_cast<std::uint32_t>(half.k / 3);
     if (patch_.patch.is_single && i + j + 1 + half.upper > patch_.side) return;
     const std::uint32_t number = 2 * (i + patch_.side * j) + half.upper;
+    if (number == ray.left_out) return;
     const SmallTriangleHit hit = line.meet(points_.at(half.a), points_.at(half.b), points_.at(half.c));
     if (!(hit.t >= ray.t_min) || hit.t > ray.t_max) return;
     if (hit.t == ray.t_max && (ray.is_met ? number >= ray.triangle : !ray.accepts_equal)) return;

@@ -1,0 +1,75 @@
+// What `recede render` and `recede turntable` draw: a level of a hierarchy, or a mesh, its own way.
+#pragma once
+
+#include "common.h"
+#include "lighting_options.h"
+#include <recede/geometry/closest_point.h>
+#include <recede/lod/displaced_base.h>
+#include <recede/lod/lod_hierarchy.h>
+#include <recede/render/progressive_render.h>
+
+#include <optional>
+
+namespace recede::cli {
+
+enum class FalseColor { none, level, error, method, samples };
+enum class ChooseBy { error, distance };
+/// How heights come into the picture.
+enum class Displacement { traced, diced, tessellated, none };
+
+struct DrawnOptions {
+  std::string input;
+  ViewOptions view;
+  int width = 800, height = 600;
+  std::optional<std::size_t> level;
+  ChooseBy level_rule = ChooseBy::error;
+  double pixel_error = 1;
+  std::optional<double> distance_unit;
+  double near_limit = 0;
+  int samples = 16;
+  bool wireframe = false, flat = false, no_maps = false, ground = false;
+  Displacement displacement = Displacement::traced;
+  HeightMapOptions heights;
+  std::optional<int> subdivision_level;
+  LightingOptions lighting;
+  FalseColor false_color = FalseColor::none;
+};
+
+/// Levels that can be drawn: those of a hierarchy, or a mesh alone.
+class Drawn {
+ public:
+  Drawn(const DrawnOptions& options, Progress* progress);
+
+  const PolygonSoup& finest() const { return finest_; }
+  const LodHierarchy& hierarchy() const { return hierarchy_; }
+  /// Faces of a level, without heights.
+  std::size_t n_faces(std::size_t level) const;
+
+  /// The level for a camera, from the one that was shown before.
+  std::size_t choose(const Camera& camera, std::optional<std::size_t> before) const;
+  Image draw(const Camera& camera, std::size_t level, Progress* progress);
+  /// How a level comes into the picture.
+  Displacement method_of(std::size_t level) const;
+
+ private:
+  SceneOptions shading() const;
+  const Scene& scene_of(std::size_t level);
+  Scene make_scene(std::size_t level) const;
+  Scene make_diced(const Camera& camera, std::size_t level, Progress* progress);
+  void paint(PolygonSoup& soup, std::size_t level) const;
+  double level_share(std::size_t level) const;
+  double error_share(const Vec3& position) const;
+
+  const DrawnOptions& options_;
+  LodHierarchy hierarchy_;
+  PolygonSoup finest_;
+  std::optional<ClosestPointTree> surface_;
+  std::vector<std::optional<Scene>> scenes_;
+  std::optional<MeshWithHeights> displaced_;         // instead of levels
+  std::vector<std::optional<DisplacedBase>> bases_;  // of levels that were diced
+  RenderOptions rendering_;
+};
+
+std::string_view name_of(Displacement method);
+
+}  // namespace recede::cli
