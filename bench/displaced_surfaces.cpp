@@ -3,7 +3,7 @@
 #include "models.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
-#include <recede/lod/displacement_bake.h>
+#include <recede/lod/displaced_base.h>
 #include <recede/lod/simplify.h>
 
 #include <tbb/parallel_for.h>
@@ -146,21 +146,24 @@ DisplacedSurface tiled_sphere() {
           12};
 }
 
-DisplacedSurface mapped_bunny(const std::filesystem::path& data) {
+BakedMaps bunny_maps(const std::filesystem::path& data, double share) {
   for (const ModelSource& source : all_models(data, true)) {
     if (source.name != "bunny00") continue;
     require_file(source);
     const PolygonSoup fine = load_model(source);
     SimplifyOptions coarser;
-    coarser.target.ratio = 0.02;
+    coarser.target.ratio = share;
     const SimplifySoupResult coarse = simplify(fine, coarser);
     MapOptions options;
     options.search_distance = MapOptions::k_reach * coarse.error_bound.value();
-    BakedMaps maps = bake_maps(fine, coarse.soup, options);
-    return {"bunny", std::move(maps.surface),
-            DisplacementMap(std::move(maps.displacement), maps.height_scale, maps.height_offset), 5};
+    return bake_maps(fine, coarse.soup, options);
   }
   throw InputError("the models have no bunny");
+}
+
+DisplacedSurface mapped_bunny(const std::filesystem::path& data) {
+  const BakedMaps maps = bunny_maps(data, 0.02);
+  return {"bunny", maps.surface, displacement_map_of(maps), 5};
 }
 
 }  // namespace recede::bench

@@ -3,6 +3,7 @@
 
 #include <recede/geometry/displacement_map.h>
 #include <recede/geometry/polygon_soup.h>
+#include <recede/lod/displacement_bake.h>
 
 #include <filesystem>
 #include <string>

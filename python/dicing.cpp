@@ -16,19 +16,6 @@ struct Diced {
   RemeshReport report;
 };
 
-using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
-
-/// Rows x columns heights, row 0 on top.
-DisplacementMap read_heights(const py::object& source, MapBorder border) {
-  const FloatArray array = FloatArray::ensure(source);
-  if (!array) PyErr_Clear();
-  if (!array || array.ndim() != 2 || array.size() == 0) {
-    throw InputError("height must be an array of rows x columns numbers");
-  }
-  return {static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
-          std::vector<float>(array.data(), array.data() + array.size()), border};
-}
-
 Camera read_camera(const py::dict& from) {
   Camera camera;
   read(from, "up", camera.up);

@@ -1,4 +1,5 @@
 // Pictures of meshes, picture files, and differences of pictures for Python.
+#include "baked_maps.h"
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
@@ -151,9 +152,36 @@ RenderOptions read_rendering(const py::dict& from, const Vec3& up) {
   return options;
 }
 
-py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye, const std::optional<Vec3>& look_at,
-                      const Vec3& up, double field_of_view, int width, int height, const py::dict& from,
-                      py::object progress) {
+/// What is drawn, taken from Python while its lock is held.
+struct Drawn {
+  std::shared_ptr<const PolygonSoup> soup;
+  std::shared_ptr<const BakedMaps> maps;
+  std::optional<DisplacementMap> heights;  ///< over `soup`
+
+  const PolygonSoup& base() const { return maps ? maps->surface : *soup; }
+  Scene scene(const DisplacedMeshOptions& displacement, const SceneOptions& shading) const {
+    if (maps) return Scene(*maps, displacement, shading);
+    return heights ? Scene(*soup, *heights, displacement, shading) : Scene(*soup, shading);
+  }
+};
+
+Drawn read_drawn(const py::object& surface, const py::dict& from) {
+  Drawn drawn;
+  if (py::isinstance<Baked>(surface)) {
+    drawn.maps = surface.cast<const Baked&>().maps;
+    return drawn;
+  }
+  drawn.soup = surface.cast<const Mesh&>().soup;
+  bool periodic = false;
+  read(from, "periodic", periodic);
+  if (!from["height"].is_none())
+    drawn.heights = read_heights(from["height"], periodic ? MapBorder::periodic : MapBorder::clamped);
+  return drawn;
+}
+
+py::array render_surface(const py::object& surface, const std::optional<Vec3>& eye,
+                         const std::optional<Vec3>& look_at, const Vec3& up, double field_of_view, int width,
+                         int height, const py::dict& from, py::object progress) {
   const RenderOptions options = read_rendering(from, up);
   SceneOptions shading;
   bool flat = false, ground = false;
@@ -161,14 +189,17 @@ py::array render_mesh(const Mesh& mesh, const std::optional<Vec3>& eye, const st
   read(from, "ground", ground);
   if (flat) shading.crease_angle = 0;
   if (ground) shading.ground = Ground{.up = up};
+  DisplacedMeshOptions displacement;
+  displacement.level = from["subdivision_level"].cast<std::optional<int>>();
+  const Drawn drawn = read_drawn(surface, from);
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
-    Camera camera = camera_in_front(mesh.soup->positions, up, field_of_view, width, height);
+    Camera camera = camera_in_front(drawn.base().positions, up, field_of_view, width, height);
     if (eye) {
       camera.position = *eye;
-      camera.target = bounding_box(*mesh.soup).center();
+      camera.target = bounding_box(drawn.base()).center();
     }
     if (look_at) camera.target = *look_at;
-    return render(Scene(*mesh.soup, shading), camera, options, p);
+    return render(drawn.scene(displacement, shading), camera, options, p);
   });
   return to_array(image);
 }
@@ -193,7 +224,7 @@ void bind_images(py::module_& m) {
                std::to_string(d.ssim.mean) + ", PSNR " + std::to_string(d.difference.psnr) + " dB>";
       });
   m.def("diff", &diff);
-  m.def("render", &render_mesh);
+  m.def("render", &render_surface);
   m.def("read_image", [](const fs::path& path) { return to_array(read_unlocked(path)); });
   m.def("write_image", [](const fs::path& path, const py::handle& pixels) {
     const Image image = read_pixels(pixels, "the picture");

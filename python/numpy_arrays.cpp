@@ -97,6 +97,16 @@ std::vector<Index> read_indices(const py::handle& source, const std::string& wha
   return result;
 }
 
+DisplacementMap read_heights(const py::handle& source, MapBorder border) {
+  const auto array = py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(source);
+  if (!array) PyErr_Clear();
+  if (!array || array.ndim() != 2 || array.size() == 0) {
+    throw InputError("height must be an array of rows x columns numbers");
+  }
+  return {static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
+          std::vector<float>(array.data(), array.data() + array.size()), border};
+}
+
 void read_faces(const py::handle& source, PolygonSoup& soup) {
   if (py::isinstance<py::array>(source)) {
     const auto array = read_integers(source, "faces");

@@ -1,6 +1,7 @@
 // Between numpy arrays and the lists of a soup.
 #pragma once
 
+#include <recede/geometry/displacement_map.h>
 #include <recede/geometry/polygon_soup.h>
 
 #include <pybind11/numpy.h>
@@ -26,6 +27,9 @@ std::vector<Vec4> read_rows_of_4(const py::handle& source, const std::string& wh
 std::vector<double> read_numbers(const py::handle& source, const std::string& what);
 /// Integers that are vertex, face or material numbers; -1 stands for none where `may_be_none`.
 std::vector<Index> read_indices(const py::handle& source, const std::string& what, bool may_be_none = false);
+
+/// Rows x columns heights, row 0 on top.
+DisplacementMap read_heights(const py::handle& source, MapBorder border);
 
 /// Faces as a two-dimensional integer array, or as a sequence of sequences of any lengths.
 void read_faces(const py::handle& source, PolygonSoup& soup);

@@ -482,11 +482,12 @@ def _lights(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
     return sorted_lights
 
 
-def render(mesh: Mesh, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
+def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
            up: Sequence[float] = (0, 1, 0), field_of_view: float = 45, image_width: int = 800, image_height: int = 600,
            samples: int = 16, wireframe: bool = False, flat: bool = False, ground: bool = False,
            lighting: str = "camera", lights: Sequence[Light] | None = None, ambient: float = 0.1, bounces: int = 4,
-           noise: float = 0, light_sampling: str = "both", progress: Progress | None = None) -> np.ndarray:
+           noise: float = 0, light_sampling: str = "both", periodic: bool = False, subdivision_level: int | None = None,
+           progress: Progress | None = None) -> np.ndarray:
     """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
 
     Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
@@ -498,14 +499,23 @@ def render(mesh: Mesh, *, eye: Sequence[float] | None = None, look_at: Sequence[
     above 0 pixels end before `samples` once their standard error is at most this share of the step from black to white.
     `light_sampling` ("both", "lights", "surface") changes noise only. See docs/render.md.
 
-    Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read.
+    Baked maps are drawn with their heights and normals; a mesh with texture coordinates with `height`, an array of
+    rows x columns lengths along its normals, row 0 on top, which `periodic` repeats beyond its border. Heights are
+    traced without tessellation: every triangle stands for 4 to the power of `subdivision_level` small ones (None: about
+    two to a texel).
+
+    Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read, for maps without
+    heights and for a mesh without texture coordinates.
     """
     if lighting == "camera" and lights is not None:
         raise OptionError("lights need lighting \"direct\" or \"path\"")
     options = {"lighting": lighting, "lights": None if lights is None else _lights(lights), "ambient": ambient,
                "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
-               "wireframe": wireframe, "flat": flat, "ground": ground}
-    return _recede.render(mesh, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)
+               "wireframe": wireframe, "flat": flat, "ground": ground, "height": height, "periodic": periodic,
+               "subdivision_level": subdivision_level}
+    if not isinstance(surface, (Mesh, BakedMaps)) or (height is not None and not isinstance(surface, Mesh)):
+        raise TypeError("render takes baked maps, a mesh, or a mesh and its heights")
+    return _recede.render(surface, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)
 
 
 def make_teapot(quads_per_side: int = 40, relief: float = 0.02) -> Mesh:

@@ -1,6 +1,8 @@
 // `recede render` and `recede turntable` on meshes and on what `recede bake` wrote.
 #include "run_recede.h"
+#include <recede/geometry/mesh_io.h>
 #include <recede/geometry/raster.h>
+#include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
 
@@ -300,6 +302,61 @@ TEST(TurntableCommand, GoesAwayOverTheLevels) {
   const Vec3 at(eye[0], eye[1], eye[2]);
   EXPECT_NEAR(at.norm(), 1000, 1e-9);
   EXPECT_NEAR(std::atan2(at.x(), at.z()), 75 * 3.14159265358979 / 180, 1e-12);
+}
+
+TEST(RenderCommand, DrawsHeightsByEveryMethodAlike) {
+  const TempFolder folder;
+  const auto baked = run_recede({"bake", write_sphere(folder, 4000), "-o", folder / "out", "--no-report",
+                                 "--ratios", "0.05", "--maps", "displacement,normal", "--map-size", "128"});
+  ASSERT_EQ(baked.code, 0) << baked.remarks;
+  const auto draw = [&](const std::string& method) {
+    const json result = json_of(
+        run_recede({"render", folder / "out" / "sphere.recede", "-o", folder / (method + ".png"), "--level",
+                    "1", "--image-width", "80", "--image-height", "80", "--displacement", method, "--json"}));
+    EXPECT_EQ(result.at("displacement"), method);
+    return read_image(folder / (method + ".png"));
+  };
+  const Image bare = draw("none"), reference = draw("tessellated");
+  const double without = compare_images(bare, reference).rmse;
+  EXPECT_GT(without, 0.01);
+  EXPECT_LT(compare_images(draw("traced"), reference).rmse, 0.3 * without);
+  EXPECT_LT(compare_images(draw("diced"), reference).rmse, without);
+}
+
+TEST(RenderCommand, DrawsAMeshWithAHeightMapInAFile) {
+  const TempFolder folder;
+  PolygonSoup square;
+  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.add_face(std::array<Index, 4>{0, 1, 2, 3});
+  square.corner_uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  write_soup(folder / "square.obj", square);
+  Raster heights;
+  heights.width = heights.height = 16;
+  for (int k = 0; k < 256; ++k) heights.samples.push_back(static_cast<std::uint16_t>(k % 16 < 8 ? 0 : 255));
+  folder.write("heights.png", encode_png(heights));
+  const auto draw = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{
+        "render", folder / "square.obj", "-o", folder / "a.png", "--image-width",
+        "64",     "--image-height",      "64", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_recede(arguments);
+  };
+  const auto traced = draw({"--displacement-map", folder / "heights.png", "--displacement-scale", "0.3",
+                            "--subdivision-level", "5"});
+  EXPECT_EQ(json_of(traced).at("displacement"), "traced");
+  EXPECT_EQ(json_of(traced).at("faces"), 1);
+  const Image with = read_image(folder / "a.png");
+  EXPECT_EQ(json_of(draw({})).at("displacement"), "none");
+  EXPECT_GT(compare_images(with, read_image(folder / "a.png")).rmse, 0.02);
+  const auto green = draw({"--displacement-map", folder / "heights.png", "--false-color", "method"});
+  ASSERT_EQ(green.code, 0) << green.remarks;
+  const Image method = read_image(folder / "a.png");
+  EXPECT_GT(method.at(32, 20)[1], 2 * method.at(32, 20)[0]);
+
+  EXPECT_THAT(draw({"--displacement-map", folder / "nowhere.png"}).remarks, HasSubstr("nowhere.png"));
+  EXPECT_EQ(draw({"--displacement-map", folder / "nowhere.png"}).code, 1);
+  EXPECT_EQ(draw({"--displacement", "magic"}).code, 2);
+  EXPECT_EQ(draw({"--subdivision-level", "15"}).code, 2);
 }
 
 }  // namespace

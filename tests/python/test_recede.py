@@ -519,3 +519,33 @@ def test_a_progressive_mesh_gives_levels_and_the_input_back(sphere, tmp_path):
     (tmp_path / "bad.pmesh").write_bytes(b"RCDPMESH")
     with pytest.raises(recede.InputError, match="byte"):
         recede.ProgressiveMesh.read(tmp_path / "bad.pmesh")
+
+
+def test_heights_are_drawn_without_tessellation():
+    square = recede.Mesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2, 3]],
+                         corner_uvs=[[0, 0], [1, 0], [1, 1], [0, 1]])
+    heights = np.tile(0.2 * np.sin(np.linspace(0, 12 * np.pi, 64)), (64, 1))
+    view = {"image_width": 40, "image_height": 40, "samples": 4}
+    flat = recede.render(square, **view)
+    waves = recede.render(square, heights, **view)
+    assert waves.shape == (40, 40, 3)
+    assert recede.diff(flat, waves).rmse > 0.02
+    assert recede.diff(recede.render(square, np.zeros((8, 8)), **view), flat).rmse < 1e-3
+    with pytest.raises(recede.OptionError, match="between 0 and 14"):
+        recede.render(square, heights, subdivision_level=15, **view)
+    with pytest.raises(recede.InputError, match="texture coordinates"):
+        recede.render(recede.make_displaced_sphere(500), heights, **view)
+    with pytest.raises(recede.InputError, match="finite"):
+        recede.render(square, np.full((4, 4), np.nan), **view)
+    with pytest.raises(TypeError):
+        recede.render("bunny.ply")
+
+
+def test_baked_maps_are_drawn_with_their_heights():
+    fine = recede.make_displaced_sphere(5000)
+    coarse = recede.simplify(fine, ratio=0.03).mesh
+    maps = recede.bake_maps(fine, coarse, map_size=128)
+    view = {"image_width": 60, "image_height": 60, "eye": (2, 1.5, 2.5), "samples": 4}
+    reference = recede.render(fine, **view)
+    assert recede.diff(recede.render(maps, **view), reference).flip < 0.6 * recede.diff(
+        recede.render(coarse, **view), reference).flip
