@@ -26,8 +26,10 @@ DisplacedSurface fractal_sphere();
 DisplacedSurface rough_sphere(int n, const Vec3& center, unsigned seed);
 /// A million triangles with a map of 4096 x 4096 texels that repeats on each.
 DisplacedSurface tiled_sphere();
-/// The bunny at 2 % of its faces with a map of 1024 x 1024 texels of the rest. Throws `InputError` when its
-/// file isn't in the folder.
+/// The bunny at a share of its faces, with maps of 1024 x 1024 texels of the rest. Throws `InputError` when
+/// its file isn't in the folder.
+BakedMaps bunny_maps(const std::filesystem::path& data, double share);
+/// The same at 2 % as a surface.
 DisplacedSurface mapped_bunny(const std::filesystem::path& data);
 
 }  // namespace recede::bench
