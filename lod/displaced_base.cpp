@@ -67,33 +67,13 @@ DisplacedBase::DisplacedBase(const PolygonSoup& surface, DisplacementMap map, co
 void DisplacedBase::find_points(const PolygonSoup& surface) {
   const std::vector<Index> points = detail::points_of_corners(surface);
   std::vector<Index> numbers(surface.positions.size(), k_no_index);
-  std::vector<Index> corner_of_point;
-  std::vector<Vec3> sums;
-  std::vector<bool> differ;
-  const bool has_normals = !surface.corner_normals.empty();
+  const std::vector<Vec3> directions = detail::point_directions(surface, points);
   for (std::size_t c = 0; c < surface.n_corners(); ++c) {
     Index& number = numbers[points[c]];
-    const Vec3 normal = has_normals ? surface.corner_normals[c] : Vec3(Vec3::Zero());
-    if (number == k_no_index) {
-      number = static_cast<Index>(positions_.size());
-      positions_.push_back(surface.positions[surface.corner_vertices[c]]);
-      directions_.push_back(normal);
-      corner_of_point.push_back(static_cast<Index>(c));
-      sums.emplace_back(Vec3::Zero());
-      differ.push_back(false);
-    }
-    sums[number] += normal;
-    if (normal != directions_[number]) differ[number] = true;
-  }
-  std::vector<Vec3> by_triangles;
-  for (std::size_t p = 0; p < positions_.size(); ++p) {
-    constexpr double k_vanishing = 1e-6;
-    Vec3& direction = directions_[p];
-    if (differ[p]) direction = sums[p];
-    direction = direction.norm() > k_vanishing ? Vec3(direction.normalized()) : Vec3(Vec3::Zero());
-    if (!direction.isZero(0)) continue;
-    if (by_triangles.empty()) by_triangles = detail::point_normals(surface);
-    direction = by_triangles[corner_of_point[p]];
+    if (number != k_no_index) continue;
+    number = static_cast<Index>(positions_.size());
+    positions_.push_back(surface.positions[surface.corner_vertices[c]]);
+    directions_.push_back(directions[points[c]]);
   }
   Box3 box;
   for (const Vec3& position : positions_) box.extend(position);

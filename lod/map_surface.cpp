@@ -136,6 +136,34 @@ std::vector<Vec3> point_normals(const PolygonSoup& soup) {
   return normals;
 }
 
+std::vector<Vec3> point_directions(const PolygonSoup& soup, const std::vector<Index>& points) {
+  std::vector<Vec3> directions(soup.positions.size(), Vec3::Zero()), sums = directions;
+  std::vector<std::uint8_t> is_seen(soup.positions.size(), 0), differ = is_seen;
+  for (std::size_t c = 0; c < soup.corner_normals.size(); ++c) {
+    const Index point = points[c];
+    const Vec3& normal = soup.corner_normals[c];
+    if (is_seen[point] == 0) directions[point] = normal;
+    if (normal != directions[point]) differ[point] = 1;
+    is_seen[point] = 1;
+    sums[point] += normal;
+  }
+  constexpr double k_vanishing = 1e-6;
+  std::vector<Vec3> by_triangles;
+  for (std::size_t c = 0; c < points.size(); ++c) {
+    Vec3& direction = directions[points[c]];
+    if (is_seen[points[c]] == 2) continue;
+    is_seen[points[c]] = 2;
+    if (differ[points[c]] != 0) direction = sums[points[c]];
+    if (direction.norm() > k_vanishing) {
+      direction.normalize();
+      continue;
+    }
+    if (by_triangles.empty()) by_triangles = point_normals(soup);
+    direction = by_triangles[c];
+  }
+  return directions;
+}
+
 std::vector<Vec4> tangents_of(const PolygonSoup& soup) {
   const std::vector<Index> points = points_of_corners(soup);
   using Group = std::tuple<Index, double, double, bool>;

@@ -67,6 +67,18 @@ const PolygonSoup& checked(const PolygonSoup& base) {
   return base;
 }
 
+/// Texel coordinates are floats: beyond some millions they no longer tell texels apart.
+void check_reach(const PolygonSoup& base, const DisplacementMap& map) {
+  constexpr double k_most_texels = 1 << 22;
+  for (std::size_t c = 0; c < base.corner_uvs.size(); ++c) {
+    const Vec2& uv = base.corner_uvs[c];
+    if (std::abs(uv.x()) * map.columns() > k_most_texels || std::abs(uv.y()) * map.rows() > k_most_texels) {
+      throw InputError("the texture coordinate of corner " + std::to_string(c) +
+                       " lies more than 4194304 texels away");
+    }
+  }
+}
+
 /// Maps of one column or row get a second one, the same: the kernel reads texels in pairs.
 DisplacementMap at_least_two(DisplacementMap map) {
   if (map.columns() > 1 && map.rows() > 1) return map;
@@ -275,6 +287,7 @@ DisplacedMesh::Data::Data(const PolygonSoup& base, DisplacementMap heights,
       patches(detail::make_displaced_patches(base, frame, map.columns(), map.rows(),
                                              levels_of(base, map, options))),
       partial(options.partial) {
+  check_reach(base, map);
   detail::divide_into_parts(patches);
   bounds.emplace(map);
   view = view_of(*bounds, frame.scale);

@@ -49,8 +49,8 @@ class DisplacedMesh {
   /// Beside `memory()`, Embree keeps a hierarchy of boxes around pairs of the base's triangles.
   ///
   /// The base is copied. Throws `InputError` for a base that `validate` refuses, without faces, without
-  /// texture coordinates or with ones that aren't finite, `OptionError` for levels out of range or that are
-  /// not one for each triangle, and `Error` with Embree's reason.
+  /// texture coordinates or with ones more than 4 million texels away, `OptionError` for levels out of range
+  /// or that are not one for each triangle, and `Error` with Embree's reason.
   DisplacedMesh(const PolygonSoup& base, DisplacementMap map, const DisplacedMeshOptions& options = {});
   ~DisplacedMesh();
   DisplacedMesh(DisplacedMesh&&) noexcept;

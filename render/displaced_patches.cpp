@@ -172,25 +172,6 @@ class Pairing {
   std::vector<Index> waiting_;
 };
 
-/// A unit direction for each welded point.
-std::vector<Vec3> directions_of(const PolygonSoup& base, const std::vector<Index>& points) {
-  std::vector<Vec3> sums(base.positions.size(), Vec3::Zero());
-  for (std::size_t c = 0; c < base.corner_normals.size(); ++c)
-    sums[points[c]] += base.corner_normals[c].stableNormalized();
-  constexpr double k_vanishing = 1e-6;
-  const auto is_known = [&](std::size_t c) { return sums[points[c]].norm() > k_vanishing; };
-  bool all_known = true;
-  for (std::size_t c = 0; c < points.size(); ++c) all_known = all_known && is_known(c);
-  if (!all_known) {
-    const std::vector<Vec3> computed = point_normals(base);
-    for (std::size_t c = 0; c < points.size(); ++c) {
-      if (!is_known(c)) sums[points[c]] = computed[c];
-    }
-  }
-  for (Vec3& sum : sums) sum = sum.stableNormalized();
-  return sums;
-}
-
 class PatchMaker {
  public:
   PatchMaker(const PolygonSoup& base, const SceneFrame& frame, int columns, int rows,
@@ -225,7 +206,7 @@ class PatchMaker {
 
  private:
   void make_vertices() {
-    const std::vector<Vec3> directions = directions_of(base_, triangles_.points);
+    const std::vector<Vec3> directions = point_directions(base_, triangles_.points);
     numbers_.assign(base_.positions.size(), k_none);
     for (const Index corner : triangles_.corners) {
       const Index point = triangles_.points[corner];

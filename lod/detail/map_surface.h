@@ -22,6 +22,11 @@ std::vector<Vec4> tangents_of(const PolygonSoup& soup);
 /// Number of a point for each corner, the same for bit-equal positions.
 std::vector<Index> points_of_corners(const PolygonSoup& soup);
 
+/// A unit direction for each point (by its number in `points_of_corners`), along which heights count: its
+/// corners' normal, their mean where they differ, and where there are none or they cancel out, that of
+/// `point_normals`.
+std::vector<Vec3> point_directions(const PolygonSoup& soup, const std::vector<Index>& points);
+
 /// A place on the coarse surface.
 struct MapPlace {
   Vec3 position;

@@ -582,6 +582,9 @@ TEST(DisplacedMesh, BadInputIsNamed) {
   strange.corner_uvs[2].x() = std::numeric_limits<double>::infinity();
   EXPECT_THAT(message([&] { DisplacedMesh(strange, flat_map(0)); }), HasSubstr("finite"));
   EXPECT_THAT(message([&] { DisplacedMesh(PolygonSoup{}, flat_map(0)); }), HasSubstr("faces"));
+  PolygonSoup distant = unit_square();
+  distant.corner_uvs[3].y() = 1e9;
+  EXPECT_THAT(message([&] { DisplacedMesh(distant, flat_map(0)); }), HasSubstr("corner 3 lies more than"));
   DisplacedMeshOptions options;
   options.level = 15;
   EXPECT_THAT(message([&] { DisplacedMesh(unit_square(), flat_map(0), options); }), HasSubstr("0 and 14"));
