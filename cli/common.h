@@ -104,5 +104,6 @@ void add_extract_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_turntable_command(CLI::App& app);
 void add_diff_command(CLI::App& app);
+void add_subdivide_command(CLI::App& app);
 
 }  // namespace recede::cli

@@ -11,7 +11,7 @@ using testing::Not;
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
                          testing::Values("atlas", "bake", "simplify", "compare", "diff", "info",
-                                         "progressive", "extract", "render", "turntable"),
+                                         "progressive", "extract", "render", "turntable", "subdivide"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -38,7 +38,7 @@ TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("atlas"), HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
                     HasSubstr("diff"), HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract"),
-                    HasSubstr("render"), HasSubstr("turntable")));
+                    HasSubstr("render"), HasSubstr("turntable"), HasSubstr("subdivide")));
 }
 
 TEST(Usage, PrintsTheVersion) {
@@ -88,6 +88,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"UnknownKindOfMap", {"diff", "a.png", "b.png", "--map", "beauty"}, "flip, ssim, difference"},
         BadValue{"NoPixelsPerDegree", {"diff", "a.png", "b.png", "--pixels-per-degree", "0"}, "--pixels"},
         BadValue{"LimitAboveOne", {"diff", "a.png", "b.png", "--fail-above", "2"}, "--fail-above"},
+        BadValue{"LevelAboveTen", {"subdivide", "teapot", "--level", "11"}, "--level"},
+        BadValue{
+            "SharpnessWithoutAngle", {"subdivide", "teapot", "--crease-sharpness", "1"}, "--crease-angle"},
         BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
     [](const auto& tested) { return std::string(tested.param.name); });
 

@@ -161,8 +161,8 @@ TEST(Subdivision, ARegularTriangularGridIsABoxSpline) {
   for (const int step : {4, 2}) {
     std::map<std::pair<int, int>, double> next;
     for (const auto& [at, h] : heights) {
-      const auto look = [&](int x, int y) {
-        const auto found = heights.find({at.first + x, at.second + y});
+      const auto look = [&, place = at](int x, int y) {
+        const auto found = heights.find({place.first + x, place.second + y});
         return found == heights.end() ? std::nan("") : found->second;
       };
       double ring = 0;
@@ -598,7 +598,7 @@ TEST(Subdivision, TheEndOfAnEndlessCreaseIsNearItsLimit) {
   options.creases = {{4, 5, k_infinite_sharpness}};
   const PolygonSoup soup = subdivide(control_cube(), options).soup;
   const test::LimitPoints limit = test::uniform_limit(control_cube(), options, 8);
-  for (const Index end : {4, 5}) {
+  for (const Index end : {4u, 5u}) {
     const Vec3& at = soup.positions[end];
     EXPECT_LT((limit.positions[nearest_point(limit.positions, at)] - at).norm(), 2e-3);
   }
