@@ -26,7 +26,7 @@ SubdivisionOptions creased(SubdivisionScheme scheme, int level) {
   SubdivisionOptions options;
   options.scheme = scheme;
   options.level = level;
-  options.creases = {{4, 5, 10}, {5, 7, 10}, {7, 6, 10}, {6, 4, 10}, {0, 1, 2.5}};
+  options.creases = {{4, 5, 10}, {5, 7, 10}, {7, 6, 10}, {6, 4, 10}, {0, 1, 2.5}, {2, 3, 10}};
   return options;
 }
 
