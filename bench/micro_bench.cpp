@@ -6,6 +6,7 @@
 #include <recede/geometry/height_field.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/polygon_mesh.h>
 #include <recede/geometry/sample_models.h>
 #include <recede/geometry/subdivision_surface.h>
 
@@ -181,8 +182,7 @@ void trace_height_field(benchmark::State& state, bool camera) {
 
 /// The teapot's quads as a control mesh, with normals and the estimate of the error.
 void subdivide_teapot(benchmark::State& state, SubdivisionScheme scheme) {
-  PolygonSoup control = make_teapot(10);
-  merge_identical_vertices(control);
+  const PolygonSoup control = to_soup(repair_to_polygon_mesh(make_teapot(10)).mesh);
   SubdivisionOptions options;
   options.scheme = scheme;
   options.level = 4;
