@@ -6,7 +6,9 @@
 #include <recede/geometry/height_field.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/polygon_mesh.h>
 #include <recede/geometry/sample_models.h>
+#include <recede/geometry/subdivision_surface.h>
 
 #include <benchmark/benchmark.h>
 #include <unistd.h>
@@ -178,6 +180,18 @@ void trace_height_field(benchmark::State& state, bool camera) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rays.size()));
 }
 
+/// The teapot's quads as a control mesh, with normals and the estimate of the error.
+void subdivide_teapot(benchmark::State& state, SubdivisionScheme scheme) {
+  const PolygonSoup control = to_soup(repair_to_polygon_mesh(make_teapot(10)).mesh);
+  SubdivisionOptions options;
+  options.scheme = scheme;
+  options.level = 4;
+  std::size_t points = 0;
+  for (auto _ : state) points = subdivide(control, options).soup.positions.size();
+  state.counters["limit points/s"] =
+      benchmark::Counter(static_cast<double>(points), benchmark::Counter::kIsIterationInvariantRate);
+}
+
 BENCHMARK_CAPTURE(read_file, ply, std::string(".ply"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(read_file, obj, std::string(".obj"))->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(build_polygon_mesh)->Unit(benchmark::kMillisecond);
@@ -188,6 +202,12 @@ BENCHMARK_CAPTURE(measure_spheres, sampled, false)->Unit(benchmark::kMillisecond
 BENCHMARK_CAPTURE(measure_spheres, sampled_and_bound, true)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(intersect_bilinear_patches, random, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(intersect_bilinear_patches, aimed, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(subdivide_teapot, catmull_clark, SubdivisionScheme::catmull_clark)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(subdivide_teapot, loop, SubdivisionScheme::loop)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(build_height_bounds)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(trace_height_field, camera, true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(trace_height_field, scattered, false)->Unit(benchmark::kMillisecond);

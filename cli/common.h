@@ -122,5 +122,6 @@ void add_render_command(CLI::App& app);
 void add_turntable_command(CLI::App& app);
 void add_diff_command(CLI::App& app);
 void add_dice_command(CLI::App& app);
+void add_subdivide_command(CLI::App& app);
 
 }  // namespace recede::cli

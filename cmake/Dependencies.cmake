@@ -12,6 +12,7 @@ find_package(OpenEXR 3.1 REQUIRED CONFIG)
 find_package(ZLIB REQUIRED)
 find_package(zstd REQUIRED CONFIG)
 find_package(CLI11 REQUIRED CONFIG)
+include(${CMAKE_CURRENT_LIST_DIR}/OpenSubdivTarget.cmake)
 if(RECEDE_PYTHON)
   # The system's Python, for which Debian's packages are; others on the path have neither numpy nor pytest.
   find_program(Python3_EXECUTABLE python3 PATHS /usr/bin NO_DEFAULT_PATH)

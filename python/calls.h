@@ -70,6 +70,8 @@ SimplifyOptions read_options(const py::dict& from);
 
 /// Adds charts and atlases to the module.
 void bind_charts(py::module_& m);
+/// Adds subdivision surfaces.
+void bind_subdivision(py::module_& m);
 /// Adds progressive meshes to the module.
 void bind_progressive(py::module_& m);
 /// Adds pictures and their differences.

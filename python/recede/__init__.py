@@ -46,15 +46,17 @@ from ._recede import (
     RefinementReport,
     RepairStep,
     SimplifyResult,
+    Subdivision,
 )
 from . import _recede
 
 __all__ = [
     "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
     "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material",
-    "Mesh", "OneSidedDistance", "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "SimplifyResult", "bake", "bake_maps",
-    "build_progressive", "compare", "dice", "diff", "make_atlas", "make_displaced_sphere", "make_teapot", "read",
-    "read_image", "render", "set_threads", "simplify", "simplify_levels", "write", "write_image",
+    "Mesh", "OneSidedDistance", "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep",
+    "SelectiveMesh", "SimplifyResult", "Subdivision", "bake", "bake_maps", "build_progressive", "compare", "dice", "diff",
+    "make_atlas", "make_displaced_sphere", "make_teapot", "read", "read_image", "render", "set_threads", "simplify",
+    "simplify_levels", "subdivide", "write", "write_image",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -395,6 +397,31 @@ def dice(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, eye:
                 "image_height": image_height, "triangle_pixels": triangle_pixels, "footprint": footprint,
                 "map_levels": map_levels, "periodic": periodic, "cull": cull, "normals": normals}
     return _recede.dice(surface, height, eye, look_at, settings, progress)
+
+
+def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = None, tolerance: float | None = None,
+              creases: Sequence[tuple[int, int, float]] = (), corners: Sequence[tuple[int, float]] = (),
+              crease_angle: float | None = None, crease_sharpness: float = 10, feature_sharpness: float = 0,
+              border: str = "edge-and-corner", uv_interpolation: str = "boundaries", creasing: str = "uniform",
+              progress: Progress | None = None) -> Subdivision:
+    """The limit surface of a control mesh: points on it, their normals, and the facets between them.
+
+    `scheme` is "catmull-clark" or "loop" (triangles; other polygons are cut first). `level` (2 when neither is given) is
+    the number of refinements, 0 to 10; `tolerance` takes the least one whose facets are so near the limit surface, object
+    units. `creases` are edges (vertex, vertex, sharpness), `corners` vertices (vertex, sharpness); from 10 on they are
+    sharp for ever. Edges whose faces meet at more than `crease_angle` (degrees) get `crease_sharpness`, the mesh's feature
+    edges `feature_sharpness`. `border` is "edge-only" or "edge-and-corner"; for `uv_interpolation` and `creasing` see
+    docs/subdivision.md. The result has `mesh`, `level` and `error_estimate`.
+
+    Raises `InputError` for a mesh that isn't manifold, `OptionError` for what is out of range.
+    """
+    if level is not None and tolerance is not None:
+        raise OptionError("level and tolerance exclude each other")
+    options = {"scheme": scheme, "level": level, "tolerance": tolerance, "creases": list(creases),
+               "corners": list(corners), "crease_angle": None if crease_angle is None else crease_angle * pi / 180,
+               "crease_sharpness": crease_sharpness, "feature_sharpness": feature_sharpness, "border": border,
+               "uv_interpolation": uv_interpolation, "creasing": creasing}
+    return _recede.subdivide(mesh, options, progress)
 
 
 Color = Union[float, Sequence[float]]

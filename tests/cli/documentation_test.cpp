@@ -83,7 +83,7 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
   for (const char* command : {"atlas", "bake", "simplify", "compare", "diff", "info", "progressive",
-                              "extract", "render", "turntable", "dice"}) {
+                              "extract", "render", "turntable", "dice", "subdivide"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -112,6 +112,7 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"bake", sphere, "-o", out, "--ratios", "0.5", "--maps", "displacement", "--map-size", "64",
             "--no-report", "--json"},
            {"atlas", sphere, "-o", out + ".obj", "--json"},
+           {"subdivide", sphere, "-o", out + ".obj", "--level", "0", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},
            {"extract", out + ".pmesh", "-o", out + "_morph.ply", "--morph-ratio", "0.1", "--json"},

@@ -11,7 +11,8 @@ using testing::Not;
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
                          testing::Values("atlas", "bake", "simplify", "compare", "diff", "info",
-                                         "progressive", "extract", "render", "turntable", "dice"),
+                                         "progressive", "extract", "render", "turntable", "dice",
+                                         "subdivide"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -38,7 +39,7 @@ TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   EXPECT_THAT(run.output,
               AllOf(HasSubstr("atlas"), HasSubstr("bake"), HasSubstr("simplify"), HasSubstr("compare"),
                     HasSubstr("diff"), HasSubstr("info"), HasSubstr("progressive"), HasSubstr("extract"),
-                    HasSubstr("render"), HasSubstr("turntable"), HasSubstr("dice")));
+                    HasSubstr("render"), HasSubstr("turntable"), HasSubstr("dice"), HasSubstr("subdivide")));
 }
 
 TEST(Usage, PrintsTheVersion) {
@@ -91,6 +92,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"UnknownFootprint", {"dice", "teapot", "--footprint", "round"}, "by_side, mean, none"},
         BadValue{"PictureWithoutPixels", {"dice", "teapot", "--image-width", "0"}, "--image-width"},
         BadValue{"MeshWithoutHeights", {"dice", "teapot"}, "--displacement-map"},
+        BadValue{"LevelAboveTen", {"subdivide", "teapot", "--level", "11"}, "--level"},
+        BadValue{
+            "SharpnessWithoutAngle", {"subdivide", "teapot", "--crease-sharpness", "1"}, "--crease-angle"},
         BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
     [](const auto& tested) { return std::string(tested.param.name); });
 

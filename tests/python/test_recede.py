@@ -422,6 +422,28 @@ def test_an_atlas_is_one_to_one(sphere):
         recede.make_atlas(sphere, map_size=0)
 
 
+def test_a_control_cube_becomes_its_limit_surface():
+    corners = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], dtype=float)
+    quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
+    cube = recede.Mesh(corners, quads)
+    smooth = recede.subdivide(cube, level=3)
+    assert smooth.level == 3 and smooth.mesh.n_faces == 6 * 64 and smooth.crease_edges == 0
+    assert np.allclose(smooth.mesh.positions[:8], corners / 2, atol=1e-13)
+    assert np.allclose(np.linalg.norm(smooth.mesh.corner_normals, axis=1), 1)
+    near = recede.subdivide(cube, tolerance=0.01)
+    assert near.error_estimate <= 0.01 < recede.subdivide(cube, level=near.level - 1).error_estimate
+    sharp = recede.subdivide(cube, crease_angle=60)
+    assert sharp.crease_edges == 12 and sharp.error_estimate < 1e-12
+    one = recede.subdivide(cube, level=1, creases=[(4, 5, 10)], corners=[(0, 10)])
+    assert one.crease_edges == 1 and np.allclose(one.mesh.positions[0], corners[0])
+    assert recede.subdivide(cube, scheme="loop", level=1).triangulated == 6
+    for wrong in ({"level": 11}, {"scheme": "doo-sabin"}, {"level": 1, "tolerance": 1}, {"creases": [(0, 3, 1)]}):
+        with pytest.raises(recede.OptionError):
+            recede.subdivide(cube, **wrong)
+    with pytest.raises(recede.InputError):
+        recede.subdivide(recede.Mesh(corners, [[0, 1, 1]]))
+
+
 def test_a_picture_shows_the_mesh(sphere):
     picture = recede.render(sphere, image_width=40, image_height=30, samples=4)
     assert picture.shape == (30, 40, 3) and picture.dtype == np.float32

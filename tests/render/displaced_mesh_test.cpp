@@ -1,13 +1,12 @@
 #include "chart_sphere.h"
+#include "ray_leaks.h"
 #include "sanitized.h"
 #include <recede/geometry/error.h>
 #include <recede/render/detail/displaced_data.h>
 #include <recede/render/displaced_mesh.h>
 
 #include <gmock/gmock.h>
-#include <tbb/parallel_for.h>
 
-#include <atomic>
 #include <cstring>
 #include <map>
 #include <random>
@@ -21,6 +20,8 @@ using detail::PatchArrays;
 using detail::PatchRayQuery;
 using test::chart_sphere;
 using test::k_sanitized;
+using test::leaks;
+using test::random_direction;
 using test::rough_float_map;
 using test::rough_map;
 using testing::HasSubstr;
@@ -114,11 +115,6 @@ class BruteForce {
   double fraction_;
   std::vector<Triangle> triangles_;
 };
-
-Vec3 random_direction(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  return Vec3(normal(random), normal(random), normal(random)).normalized();
-}
 
 // From around the unit sphere at `center` to a point in it.
 Ray random_ray(std::mt19937& random, const Vec3& center) {
@@ -355,28 +351,6 @@ TEST_P(DisplacedCase, BothVersionsOfTheKernelGiveTheSameBits) {
   }
 }
 #endif
-
-// How often rays from the middle of a closed surface, aimed at its small triangles' corners and sides and at
-// random, get out.
-std::size_t leaks(const DisplacedMesh& mesh, const Vec3& center, int rays) {
-  const PolygonSoup small = mesh.tessellate();
-  std::atomic<std::size_t> escaped{0};
-  tbb::parallel_for(0, 64, [&](int part) {
-    std::mt19937 random(static_cast<unsigned>(part));
-    std::uniform_real_distribution<double> share(0, 1);
-    for (int k = 0; k < rays / 64; ++k) {
-      const std::size_t face = random() % small.n_faces(), corner = random() % 3;
-      const Vec3& a = small.positions[small.corner_vertices[3 * face + corner]];
-      const Vec3& b = small.positions[small.corner_vertices[3 * face + (corner + 1) % 3]];
-      const Vec3 from = k % 2 == 0 ? center : Vec3(center + 0.3 * random_direction(random));
-      Vec3 to = center + random_direction(random);
-      if (k % 4 == 1) to = a;
-      if (k % 4 >= 2) to = a + share(random) * (b - a);
-      if (!mesh.first_hit(from, to - from)) ++escaped;
-    }
-  });
-  return escaped;
-}
 
 class ClosedCase : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Offsets, ClosedCase, testing::Values(0.0, 1e3, 1e5));

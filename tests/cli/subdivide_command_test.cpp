@@ -1,0 +1,90 @@
+// `recede subdivide` from file to file.
+#include "control_meshes.h"
+#include "run_recede.h"
+#include <recede/geometry/mesh_io.h>
+#include <recede/geometry/subdivision_surface.h>
+
+namespace recede::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+std::string write_cube(const TempFolder& folder) {
+  const std::string path = folder / "cube.obj";
+  write_soup(path, charted_cube());
+  return path;
+}
+
+TEST(SubdivideCommand, WritesThePointsOfTheLimitSurface) {
+  const TempFolder folder;
+  const std::string cube = write_cube(folder), out = folder / "smooth.obj";
+  const json result = json_of(run_recede({"subdivide", cube, "-o", out, "--level", "3", "--json"}));
+  EXPECT_EQ(result.at("scheme"), "catmull-clark");
+  EXPECT_EQ(result.at("subdivision_level"), 3);
+  EXPECT_EQ(result.at("faces_before"), 6);
+  EXPECT_EQ(result.at("faces"), 384);
+  EXPECT_EQ(result.at("vertices"), 386);
+  EXPECT_EQ(result.at("crease_edges"), 0);
+  SubdivisionOptions options;
+  options.level = 3;
+  const SubdivisionResult expected = subdivide(charted_cube(), options);
+  EXPECT_EQ(result.at("error_estimate"), expected.error_estimate);
+  const PolygonSoup soup = read_soup(out);
+  EXPECT_EQ(soup.positions, expected.soup.positions) << "OBJ keeps all digits";
+  EXPECT_EQ(soup.corner_uvs, expected.soup.corner_uvs);
+  EXPECT_EQ(soup.corner_normals.size(), soup.n_corners());
+}
+
+TEST(SubdivideCommand, ChoosesTheLevelByTheTolerance) {
+  const TempFolder folder;
+  const std::string cube = write_cube(folder);
+  for (const char* name : {"smooth.ply", "smooth.glb"}) {
+    const std::string out = folder / name;
+    const json result = json_of(run_recede({"subdivide", cube, "-o", out, "--tolerance", "0.01", "--json"}));
+    EXPECT_LE(result.at("error_estimate"), 0.01);
+    const json coarser =
+        json_of(run_recede({"subdivide", cube, "-o", out, "--level",
+                            std::to_string(result.at("subdivision_level").get<int>() - 1), "--json"}));
+    EXPECT_GT(coarser.at("error_estimate"), 0.01);
+  }
+}
+
+TEST(SubdivideCommand, KeepsSharpEdgesAndBorders) {
+  const TempFolder folder;
+  const std::string cube = write_cube(folder), out = folder / "sharp.ply";
+  const json sharp = json_of(run_recede(
+      {"subdivide", cube, "-o", out, "--crease-angle", "60", "--uv-interpolation", "linear", "--json"}));
+  EXPECT_EQ(sharp.at("crease_edges"), 12);
+  EXPECT_LT(sharp.at("error_estimate"), 1e-12) << "it stays a cube";
+  const json softer = json_of(run_recede(
+      {"subdivide", cube, "-o", out, "--crease-angle", "60", "--crease-sharpness", "1.5", "--json"}));
+  EXPECT_GT(softer.at("error_estimate"), 1e-3);
+  const json loop = json_of(run_recede(
+      {"subdivide", cube, "-o", out, "--scheme", "loop", "--level", "1", "--border", "edge-only", "--json"}));
+  EXPECT_EQ(loop.at("triangulated"), 6);
+  EXPECT_EQ(loop.at("faces"), 48);
+  EXPECT_THAT(run_recede({"subdivide", cube, "-o", out, "--scheme", "loop"}).remarks,
+              HasSubstr("6 polygons were cut into triangles"));
+}
+
+TEST(SubdivideCommand, RefusesWhatItCannotDo) {
+  const TempFolder folder;
+  const std::string cube = write_cube(folder), out = folder / "out.ply";
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", folder / "a.xyz"}), 1),
+              HasSubstr("unknown kind"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "11"}), 2),
+              HasSubstr("--level"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--tolerance", "-1"}), 2),
+              HasSubstr("tolerance"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", "teapot", "-o", out, "--level", "10"}), 2),
+              HasSubstr("more than 50000000"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "1", "--tolerance", "1"}), 2),
+              HasSubstr("--tolerance"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--scheme", "doo-sabin"}), 2),
+              HasSubstr("catmull-clark, loop"));
+  EXPECT_THAT(names_below(folder / ""), testing::ElementsAre("cube.obj"));
+}
+
+}  // namespace
+}  // namespace recede::test
