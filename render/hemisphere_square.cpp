@@ -10,7 +10,7 @@ namespace recede {
 // along the wedge's axis, and the angle from this axis grows evenly across.
 Vec2 hemisphere_to_square(const Vec3& direction) {
   const double x = direction.x(), y = direction.y();
-  const double level = std::hypot(x, y);
+  const double level = std::sqrt(x * x + y * y);
   if (!(level > 0)) return {0.5, 0.5};
   // sqrt(1 - z) without the loss of digits near the pole: 1 - z = level^2 / (1 + z).
   const double z = std::max(direction.z(), 0.0);

@@ -179,14 +179,19 @@ Vec3 VisibleNormals::normal_of_bin(std::size_t bin) const {
 ViewMix mix_for_view(int views, int azimuths, double view_angle, double view_azimuth) {
   // View 0 at 0, view 1 half a step from it, and so on by whole steps.
   const double step = k_pi / 2 / views;
-  const double steps = std::clamp(view_angle / step, 0.0, views - 0.5);
+  const double steps = view_angle > 0 ? std::min(view_angle / step, views - 0.5) : 0.0;
   const int view = steps < 0.5 ? 0 : std::min(static_cast<int>(steps + 0.5), views);
   const double ahead = view == 0 ? 2 * steps : steps + 0.5 - view;
-  double turns = view_azimuth / (2 * k_pi);
-  turns = (turns - std::floor(turns)) * azimuths;
-  const int azimuth = std::min(static_cast<int>(turns), azimuths - 1);
-  const double aside = azimuths > 1 ? std::min(turns - azimuth, 1.0) : 0.0;
   ViewMix mix;
+  if (azimuths == 1) {
+    const auto slice = static_cast<std::size_t>(view);
+    if (ahead <= 0 || ahead >= 1) return {1, {slice + (ahead > 0 ? 1 : 0)}, {1}};
+    return {2, {slice, slice + 1}, {1 - ahead, ahead}};
+  }
+  double turns = view_azimuth / (2 * k_pi);
+  turns = std::isfinite(turns) ? (turns - std::floor(turns)) * azimuths : 0.0;
+  const int azimuth = std::min(static_cast<int>(turns), azimuths - 1);
+  const double aside = std::min(turns - azimuth, 1.0);
   for (int corner = 0; corner < 4; ++corner) {
     const int right = corner % 2, farther = corner / 2;
     const double weight = (right ? aside : 1 - aside) * (farther ? ahead : 1 - ahead);

@@ -2,8 +2,11 @@
 #include <recede/render/redistributed_bump.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace recede {
 namespace {
@@ -13,25 +16,27 @@ constexpr double k_inside = 1 - 1e-12;
 
 }  // namespace
 
-/// Cumulated shares of a mixed distribution. Sums are mixed, not quotients of them, so that they are the sums
-/// of the mixed distribution.
+/// Cumulated shares of a mixture of `k_slices` distributions; those that a mix doesn't have count nothing.
+/// Sums are mixed, not quotients of them, so that they are the sums of the mixed distribution.
+template <std::size_t k_slices>
 class RedistributedBump::Cumulated {
  public:
-  Cumulated(const RedistributedBump& bump, const ViewMix& mix, int row)
-      : bins_(bump.bins_), count_(static_cast<std::size_t>(mix.count)), weights_(mix.weights) {
+  Cumulated(const RedistributedBump& bump, const ViewMix& mix, int row) : bins_(bump.bins_) {
     const auto entries = static_cast<std::size_t>(bins_ + 1);
-    for (std::size_t k = 0; k < count_; ++k)
+    for (std::size_t k = 0; k < k_slices; ++k) {
+      weights_[k] = mix.weights[k];
       sums_[k] = bump.sums_.data() + (mix.slices[k] * entries + static_cast<std::size_t>(row)) * entries;
+    }
   }
 
   double before(int bin) const {
     double sum = 0;
-    for (std::size_t k = 0; k < count_; ++k) sum += weights_[k] * sums_[k][bin];
+    for (std::size_t k = 0; k < k_slices; ++k) sum += weights_[k] * sums_[k][bin];
     return sum;
   }
   double total() const { return before(bins_); }
 
-  /// Up to a place from 0 to 1 along the axis.
+  /// Up to a place from 0 to 1 inside of a bin.
   double up_to(int bin, double fraction) const {
     const double begin = before(bin);
     return begin + fraction * (before(bin + 1) - begin);
@@ -39,21 +44,21 @@ class RedistributedBump::Cumulated {
 
   /// The bin in which the sum reaches a value, and how far inside of it. Never one without a share.
   std::pair<int, double> find(double value) const {
-    int low = 0, high = bins_ - 1;  // the first bin whose end is beyond the value
-    while (low < high) {
-      const int middle = (low + high) / 2;
-      before(middle + 1) > value ? high = middle : low = middle + 1;
+    // The last bin that begins at or below the value, by halves of a power of two, without jumps.
+    int bin = 0;
+    for (int step = static_cast<int>(std::bit_floor(static_cast<unsigned>(bins_))); step > 0; step /= 2) {
+      const int next = std::min(bin + step, bins_ - 1);
+      bin = before(next) <= value ? next : bin;
     }
-    while (low > 0 && !(before(low + 1) > before(low))) --low;  // rounding led beyond the last share
-    const double begin = before(low), share = before(low + 1) - begin;
-    return {low, share > 0 ? std::clamp((value - begin) / share, 0.0, k_inside) : 0.5};
+    while (bin > 0 && !(before(bin + 1) > before(bin))) --bin;  // rounding led beyond the last share
+    const double begin = before(bin), share = before(bin + 1) - begin;
+    return {bin, share > 0 ? std::clamp((value - begin) / share, 0.0, k_inside) : 0.5};
   }
 
  private:
   int bins_;
-  std::size_t count_;
-  std::array<const double*, 4> sums_{};
-  std::array<double, 4> weights_;
+  std::array<const double*, k_slices> sums_{};
+  std::array<double, k_slices> weights_{};
 };
 
 RedistributedBump::RedistributedBump(const VisibleNormals& normals, const RedistributionOptions& options)
@@ -74,22 +79,29 @@ RedistributedBump::RedistributedBump(const VisibleNormals& normals, const Redist
   }
 }
 
-Vec2 RedistributedBump::moved(const Vec2& place, const ViewMix& from, const ViewMix& to) const {
+template <std::size_t k_slices>
+Vec2 RedistributedBump::moved_among(const Vec2& place, const ViewMix& from, const ViewMix& to) const {
+  using Sums = Cumulated<k_slices>;
   const auto bin_of = [&](double coordinate) {
     return std::clamp(static_cast<int>(coordinate * bins_), 0, bins_ - 1);
   };
   const int row = bin_of(place.x()), column = bin_of(place.y());
-  const double first = Cumulated(*this, from, bins_).up_to(row, place.x() * bins_ - row);
-  const Cumulated along_row(*this, from, row);
+  const double first = Sums(*this, from, bins_).up_to(row, place.x() * bins_ - row);
+  const Sums along_row(*this, from, row);
   const double row_share = along_row.total();
   double second = place.y();  // a row without normals: evenly
   if (row_share > 0) second = along_row.up_to(column, place.y() * bins_ - column) / row_share;
 
-  const auto [new_row, down] = Cumulated(*this, to, bins_).find(first);
-  const Cumulated along_new_row(*this, to, new_row);
+  const auto [new_row, down] = Sums(*this, to, bins_).find(first);
+  const Sums along_new_row(*this, to, new_row);
   const double scale = options_.conditional ? along_new_row.total() : row_share;
   const auto [new_column, across] = along_new_row.find(second * scale);
   return {(new_row + down) / bins_, (new_column + across) / bins_};
+}
+
+// Without azimuths, a view lies between two distributions at most.
+Vec2 RedistributedBump::moved(const Vec2& place, const ViewMix& from, const ViewMix& to) const {
+  return azimuths_ == 1 ? moved_among<2>(place, from, to) : moved_among<4>(place, from, to);
 }
 
 Vec3 RedistributedBump::redistribute(const Vec3& normal, double view_angle, double view_azimuth) const {
@@ -106,7 +118,7 @@ Vec3 RedistributedBump::restore(const Vec3& normal, double view_angle, double vi
 
 Vec3 RedistributedBump::normal_for_view(const Vec3& bump_normal, const Vec3& toward_viewer,
                                         double displaced) const {
-  const double level = std::hypot(toward_viewer.x(), toward_viewer.y());
+  const double level = toward_viewer.head<2>().norm();
   const double c = level > 0 ? toward_viewer.x() / level : 1, s = level > 0 ? toward_viewer.y() / level : 0;
   const double view_angle = std::atan2(level, std::max(toward_viewer.z(), 0.0));
   const double azimuth = azimuths_ > 1 ? std::atan2(s, c) : 0;

@@ -43,7 +43,10 @@ class RedistributedBump {
   Vec3 normal_for_view(const Vec3& bump_normal, const Vec3& toward_viewer, double displaced = 0) const;
 
  private:
+  template <std::size_t k_slices>
   class Cumulated;
+  template <std::size_t k_slices>
+  Vec2 moved_among(const Vec2& place, const ViewMix& from, const ViewMix& to) const;
   Vec2 moved(const Vec2& place, const ViewMix& from, const ViewMix& to) const;
   ViewMix mix(double view_angle, double view_azimuth) const {
     return mix_for_view(views_, azimuths_, view_angle, view_azimuth);

@@ -67,7 +67,7 @@ Place place_of_angle(double angle, int knots) {
 
 Place place_of_azimuth(double azimuth, int knots) {
   double steps = azimuth / (2 * k_pi);
-  steps = (steps - std::floor(steps)) * knots;
+  steps = std::isfinite(steps) ? (steps - std::floor(steps)) * knots : 0.0;
   const int before = std::min(static_cast<int>(steps), knots - 1);
   return {static_cast<std::size_t>(before), static_cast<std::size_t>((before + 1) % knots),
           std::min(steps - before, 1.0)};
