@@ -1,0 +1,79 @@
+#include <recede/geometry/error.h>
+#include <recede/render/displaced_plane.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace recede {
+namespace {
+
+constexpr int k_most_copies = 65'536;
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
+
+const DisplacementMap& checked(const DisplacementMap& map, const Vec2& sides) {
+  if (map.border() != MapBorder::periodic)
+    throw InputError("a displaced plane needs a periodic map: copies of another don't fit together");
+  if (!sides.allFinite() || !(sides.minCoeff() > 0))
+    throw OptionError("the sides of a map are lengths greater than 0");
+  return map;
+}
+
+/// t where a ray leaves the layer of all heights, the start of which it must have reached at t >= 0; less
+/// than `enter` when it misses the layer.
+struct Layer {
+  double enter = 0, leave = k_infinite;
+};
+Layer layer_along(double start, double step, const HeightRange& heights) {
+  const double reach = std::max({std::abs(start), std::abs(heights.min), std::abs(heights.max)});
+  const double slack = 8 * std::numeric_limits<double>::epsilon() * reach;  // of the places along the ray
+  const double lower = heights.min - slack, upper = heights.max + slack;
+  if (step == 0) return start >= lower && start <= upper ? Layer{} : Layer{0, -1};
+  const double a = (lower - start) / step, b = (upper - start) / step;
+  return {std::max(0.0, std::min(a, b)), std::max(a, b)};
+}
+
+/// t where a ray comes to the next line between copies along one axis.
+double end_of_copy(double copy, double start, double step) {
+  if (step == 0) return k_infinite;
+  return (copy + (step > 0 ? 1 : 0) - start) / step;
+}
+
+}  // namespace
+
+DisplacedPlane::DisplacedPlane(const DisplacementMap& map, const Vec2& sides)
+    : field_(checked(map, sides)), sides_(sides) {
+  heights_ = field_.bounds().node(field_.bounds().levels() - 1, 0, 0);
+}
+
+// Copies are visited in the order in which the ray passes over them, each with the ray moved into the square
+// of the map.
+std::optional<DisplacedPlane::Hit> DisplacedPlane::first_hit(const Vec3& origin,
+                                                             const Vec3& direction) const {
+  const Vec3 lengths(sides_.x(), sides_.y(), 1);
+  const Vec3 start = origin.cwiseQuotient(lengths), step = direction.cwiseQuotient(lengths);
+  if (!start.allFinite() || !step.allFinite()) return {};
+  const Layer layer = layer_along(start.z(), step.z(), heights_);
+  if (layer.enter > layer.leave) return {};
+  Vec3 copy = start + layer.enter * step;
+  copy = Vec3(std::floor(copy.x()), std::floor(copy.y()), 0);
+  for (int visited = 0; visited < k_most_copies; ++visited) {
+    if (const auto hit = field_.first_hit(start - copy, step)) {
+      // Slopes along x and y are those along u and v over the sides.
+      return Hit{hit->t, hit->uv, hit->normal.cwiseQuotient(lengths).normalized()};
+    }
+    const double end_x = end_of_copy(copy.x(), start.x(), step.x());
+    const double end_y = end_of_copy(copy.y(), start.y(), step.y());
+    if (!(std::min(end_x, end_y) < layer.leave)) return {};
+    const Eigen::Index axis = end_x <= end_y ? 0 : 1;
+    copy[axis] += step[axis] > 0 ? 1 : -1;
+  }
+  return {};
+}
+
+Vec3 DisplacedPlane::normal_at(const Vec2& uv) const {
+  const Vec2 slope = map().derivative_at(uv).cwiseQuotient(sides_);
+  return Vec3(-slope.x(), -slope.y(), 1).normalized();
+}
+
+}  // namespace recede
