@@ -8,8 +8,8 @@
 namespace recede::detail {
 namespace {
 
-/// Height and its slopes by u and v, object units. Slopes are those of central differences at texels,
-/// bilinear between them.
+/// Height, object units, and its slopes for a step of one texel along columns and rows: those of central
+/// differences at texels, bilinear between them.
 struct SmoothHeight {
   double height = 0;
   Vec2 slope = Vec2::Zero();
@@ -30,52 +30,63 @@ SmoothHeight smooth_height(const DisplacementMap& map, const Vec2& uv) {
     const int column = x.cell - 1 + (corner & 1), row = y.cell - 1 + (corner >> 1);
     const double weight = ((corner & 1) != 0 ? x.fraction : 1 - x.fraction) *
                           ((corner >> 1) != 0 ? y.fraction : 1 - y.fraction);
-    const double across = (texel(column + 1, row) - texel(column - 1, row)) / 2 * map.columns();
-    const double down = (texel(column, row + 1) - texel(column, row - 1)) / 2 * map.rows();
-    result.slope += weight * Vec2(across, -down);  // rows go against v
+    result.slope += weight / 2 *
+                    Vec2(texel(column + 1, row) - texel(column - 1, row),
+                         texel(column, row + 1) - texel(column, row - 1));
   }
   return result;
 }
 
-std::array<double, 3> weights_of(const Hit& base_hit) {
-  const double u = static_cast<double>(base_hit.u), v = static_cast<double>(base_hit.v);
-  return {1 - u - v, u, v};
+using BasePlace = DisplacedMesh::Data::BasePlace;
+
+BasePlace place_of(const DisplacedLook& look, const Hit& hit) {
+  return look.surface.base_place(hit.part.primitive, hit.part.small, static_cast<double>(hit.u),
+                                 static_cast<double>(hit.v));
 }
 
-Vec3 normal_of_map(const DisplacedLook& look, const Hit& base_hit) {
-  const std::array<double, 3> weights = weights_of(base_hit);
-  const MapTriangles& triangles = *look.map_triangles;
-  const std::size_t triangle = base_hit.part.primitive;
-  const MapPlace place = triangles.at(triangle, {weights[0], weights[1], weights[2]});
-  Vec2 uv = Vec2::Zero();
-  for (std::size_t k = 0; k < 3; ++k) uv += weights[k] * triangles.uv(triangle, k);
-  const Vec3 mapped = look.maps->normal_at(uv);
+Vec3 facet_normal(const Hit& hit) { return hit.front.cast<double>().stableNormalized(); }
+
+Vec3 normal_of_map(const DisplacedLook& look, const BasePlace& at) {
+  const MapPlace place = look.map_triangles->at(at.triangle, at.weights);
+  const Vec3 mapped = look.maps->normal_at(at.uv);
   return (mapped.x() * place.tangent + mapped.y() * place.bitangent + mapped.z() * place.normal)
       .stableNormalized();
 }
 
-}  // namespace
+Vec3 corner_of(const float* coordinates) { return Eigen::Vector3f(coordinates).cast<double>(); }
 
-DisplacedLook::DisplacedLook(const PolygonSoup& base, DisplacementMap heights,
-                             const DisplacedMeshOptions& options)
-    : surface(base, std::move(heights), options) {
-  std::vector<Index> corners;
-  triangulate(base, nullptr, &corners);
-  for (const Index corner : corners) uvs.push_back(base.corner_uvs[corner]);
-  directions.resize(corners.size());
-  const DisplacedPatches& patches = surface.patches;
-  for (std::size_t p = 0; p < patches.patches.size(); ++p) {
-    const DisplacedPatch& patch = patches.patches[p];
-    constexpr std::array<std::array<std::size_t, 3>, 2> k_corners{{{0, 1, 3}, {2, 3, 1}}};
-    for (std::size_t half = 0; half < (patch.is_single != 0 ? 1u : 2u); ++half) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t at =
-            3 * std::size_t{patches.triangles[p][half]} + (patch.first_corner[half] + k) % 3;
-        directions[at] = Vec3f(patches.vertices[patch.vertices[k_corners[half][k]]].direction);
-      }
-    }
+// P + h n with n = N / |N|, all linear but for that: across its derivatives along two sides of the triangle.
+Vec3 normal_of_heights(const DisplacedLook& look, const Hit& hit, const BasePlace& at) {
+  const DisplacedPatches& patches = look.surface.patches;
+  const DisplacedPatch& patch = patches.patches[at.patch];
+  const std::array<std::size_t, 3> corners = at.corners();
+  std::array<Vec3, 3> positions, directions;
+  Vec3 direction = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const DisplacedVertex& vertex = patches.vertices[patch.vertices[corners[k]]];
+    positions[k] = corner_of(vertex.position);
+    directions[k] = corner_of(vertex.direction);
+    direction += at.patch_weights[static_cast<Eigen::Index>(k)] * directions[k];
   }
+  const double length = direction.norm();
+  if (!(length > 1e-6)) return facet_normal(hit);
+  const Vec3 unit = direction / length;
+  const double scale = look.surface.frame.scale;
+  const SmoothHeight smooth = smooth_height(look.surface.map, at.uv);
+  const auto along = [&](std::size_t k) {
+    const Vec3 turn = directions[k] - directions[0];
+    const auto step = [&](const float* texels) {
+      return static_cast<double>(texels[corners[k]]) - static_cast<double>(texels[corners[0]]);
+    };
+    const double rise = smooth.slope.dot(Vec2(step(patch.x), step(patch.y)));
+    return Vec3(positions[k] - positions[0] +
+                scale * (rise * unit + smooth.height / length * (turn - unit.dot(turn) * unit)));
+  };
+  const Vec3 normal = along(1).cross(along(2)).stableNormalized();
+  return normal.squaredNorm() > 0.5 ? normal : facet_normal(hit);
 }
+
+}  // namespace
 
 DisplacedLook::DisplacedLook(const BakedMaps& baked, const DisplacedMeshOptions& options)
     : DisplacedLook(baked.surface, displacement_map_of(baked), options) {
@@ -85,8 +96,7 @@ DisplacedLook::DisplacedLook(const BakedMaps& baked, const DisplacedMeshOptions&
 }
 
 Hit hit_of_base(const DisplacedLook& look, const Hit& hit) {
-  const DisplacedMesh::Data::BasePlace place = look.surface.base_place(
-      hit.part.primitive, hit.part.small, static_cast<double>(hit.u), static_cast<double>(hit.v));
+  const BasePlace place = place_of(look, hit);
   Hit result = hit;
   result.part.primitive = place.triangle;
   result.u = static_cast<float>(place.weights[1]);
@@ -94,44 +104,22 @@ Hit hit_of_base(const DisplacedLook& look, const Hit& hit) {
   return result;
 }
 
-Vec3 displaced_normal(const DisplacedLook& look, const MeshData& base, const Hit& base_hit) {
-  if (look.is_flat) return base_hit.front.cast<double>().stableNormalized();
-  if (look.map_triangles) return normal_of_map(look, base_hit);
-  // P(u, v) + h n with n = N / |N|, all linear but for that: its derivatives along two sides of the triangle.
-  const std::array<std::uint32_t, 3>& vertices = base.triangles[base_hit.part.primitive];
-  const std::array<double, 3> weights = weights_of(base_hit);
-  const std::size_t triangle = base_hit.part.primitive;
-  std::array<Vec3, 3> directions;
-  Vec3 direction = Vec3::Zero();
-  Vec2 uv = Vec2::Zero();
-  for (std::size_t k = 0; k < 3; ++k) {
-    directions[k] = look.directions[3 * triangle + k].cast<double>();
-    direction += weights[k] * directions[k];
-    uv += weights[k] * look.uvs[3 * triangle + k];
-  }
-  const double length = direction.norm();
-  if (!(length > 1e-6)) return base_hit.front.cast<double>().stableNormalized();
-  const Vec3 unit = direction / length;
-  const double scale = look.surface.frame.scale;
-  const SmoothHeight at = smooth_height(look.surface.map, uv);
-  const auto along = [&](std::size_t k) {
-    const Vec3 step = base.position(vertices[k]) - base.position(vertices[0]);
-    const Vec3 turn = directions[k] - directions[0];
-    const double rise = at.slope.dot(look.uvs[3 * triangle + k] - look.uvs[3 * triangle]);
-    return Vec3(step + scale * (rise * unit + at.height / length * (turn - unit.dot(turn) * unit)));
-  };
-  const Vec3 normal = along(1).cross(along(2)).stableNormalized();
-  return normal.squaredNorm() > 0.5 ? normal : Vec3(base_hit.front.cast<double>().stableNormalized());
+Vec3 displaced_normal(const DisplacedLook& look, const Hit& hit) {
+  if (look.is_flat) return facet_normal(hit);
+  const BasePlace place = place_of(look, hit);
+  return look.map_triangles ? normal_of_map(look, place) : normal_of_heights(look, hit, place);
 }
 
-double displaced_rounding_bound(const MeshData& base, const Hit& base_hit, const Vec3& position) {
+double displaced_rounding_bound(const DisplacedLook& look, const MeshData& base, const Hit& hit,
+                                const Vec3& position) {
   constexpr double k_unit = 0x1p-24;
   double side = 0;
-  for (const std::uint32_t vertex : base.triangles[base_hit.part.primitive])
+  for (const std::uint32_t vertex : base.triangles[hit_of_base(look, hit).part.primitive])
     side = std::max(side, static_cast<double>(base.longest_sides[vertex]));
-  // Besides what holds for triangles, the place is found along the ray, whose length was rounded.
-  return k_unit *
-         (2 * position.cwiseAbs().maxCoeff() + 2 * static_cast<double>(base_hit.distance) + 16 * side);
+  // Besides what holds for triangles, the place is found along the ray, whose length was rounded. Small
+  // triangles are no longer than a side of the base and the span of all heights.
+  side += look.surface.height_span();
+  return k_unit * (2 * position.cwiseAbs().maxCoeff() + 2 * static_cast<double>(hit.distance) + 16 * side);
 }
 
 }  // namespace recede::detail

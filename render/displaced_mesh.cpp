@@ -60,15 +60,14 @@ std::vector<std::uint8_t> levels_of(const PolygonSoup& base, const DisplacementM
   return options.triangle_levels;
 }
 
-const PolygonSoup& checked(const PolygonSoup& base) {
+/// Texel coordinates are floats: beyond some millions they no longer tell texels apart. Numbers of texels are
+/// whole ones of 32 bits.
+void check(const PolygonSoup& base, const DisplacementMap& map) {
   validate(base, "displaced surface");
   if (base.n_faces() == 0) throw InputError("a displaced surface needs a base with faces");
   if (base.corner_uvs.empty()) throw InputError("a displaced surface needs texture coordinates");
-  return base;
-}
-
-/// Texel coordinates are floats: beyond some millions they no longer tell texels apart.
-void check_reach(const PolygonSoup& base, const DisplacementMap& map) {
+  if (static_cast<double>(map.columns()) * map.rows() >= 0x1p31)
+    throw InputError("a displaced surface can't take 2^31 texels");
   constexpr double k_most_texels = 1 << 22;
   for (std::size_t c = 0; c < base.corner_uvs.size(); ++c) {
     const Vec2& uv = base.corner_uvs[c];
@@ -93,10 +92,18 @@ DisplacementMap at_least_two(DisplacementMap map) {
   return DisplacementMap(columns, rows, std::move(heights), map.border());
 }
 
+/// The range of all heights.
+HeightRange range_of(const HeightBounds& bounds) { return bounds.node(bounds.levels() - 1, 0, 0); }
+
+double largest_height(const HeightBounds& bounds) {
+  const HeightRange range = range_of(bounds);
+  return std::max(range.max, -range.min);
+}
+
 /// Rays stay within about the unit box, heights included.
-detail::SceneFrame frame_of(const PolygonSoup& base) {
+detail::SceneFrame frame_of(const PolygonSoup& base, const HeightBounds& bounds) {
   const Box3 box = bounding_box(base);
-  const double extent = box.sizes().maxCoeff();
+  const double extent = std::max(box.sizes().maxCoeff(), largest_height(bounds));
   return {box.center(), extent > 0 ? 1 / extent : 1};
 }
 
@@ -162,7 +169,7 @@ detail::HeightMapView view_of(const HeightBounds& bounds, double scene_scale) {
   return view;
 }
 
-void patch_box(const RTCBoundsFunctionArguments* arguments) {
+void bound_part(const RTCBoundsFunctionArguments* arguments) {
   const auto& data = *static_cast<const DisplacedMesh::Data*>(arguments->geometryUserPtr);
   const detail::PatchBox box =
       detail::displaced_kernel().bounds(data.arrays(), arguments->primID, data.partial);
@@ -191,6 +198,7 @@ PatchRayQuery query_of(const RTCRayN* rays, unsigned count, unsigned k) {
 }
 
 /// The rays of a call from Embree that are valid, and which they are.
+template <unsigned k_most>
 struct ValidRays {
   ValidRays(const int* valid, const RTCRayN* rays, unsigned n, const RayContext& context,
             const detail::SurfacePart& part) {
@@ -205,17 +213,18 @@ struct ValidRays {
   }
 
   unsigned count = 0;
-  std::array<PatchRayQuery, detail::k_most_rays> queries;
-  std::array<unsigned, detail::k_most_rays> numbers;
+  std::array<PatchRayQuery, k_most> queries;
+  std::array<unsigned, k_most> numbers;
 };
 
-void intersect_patch(const RTCIntersectFunctionNArguments* arguments) {
+template <unsigned k_most>
+void intersect_rays(const RTCIntersectFunctionNArguments* arguments) {
   const auto& data = *static_cast<const DisplacedMesh::Data*>(arguments->geometryUserPtr);
   auto& context = *reinterpret_cast<RayContext*>(arguments->context);
   const unsigned n = arguments->N;
   RTCRayN* all_rays = RTCRayHitN_RayN(arguments->rayhit, n);
   RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, n);
-  ValidRays rays(arguments->valid, all_rays, n, context, {arguments->geomID, arguments->primID});
+  ValidRays<k_most> rays(arguments->valid, all_rays, n, context, {arguments->geomID, arguments->primID});
   for (unsigned r = 0; r < rays.count; ++r) {
     // Of parts that are met at one distance, that of the least number counts, whichever comes first.
     const unsigned k = rays.numbers[r];
@@ -246,11 +255,12 @@ void intersect_patch(const RTCIntersectFunctionNArguments* arguments) {
   }
 }
 
-void occlude_patch(const RTCOccludedFunctionNArguments* arguments) {
+template <unsigned k_most>
+void occlude_rays(const RTCOccludedFunctionNArguments* arguments) {
   const auto& data = *static_cast<const DisplacedMesh::Data*>(arguments->geometryUserPtr);
   const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
-  ValidRays rays(arguments->valid, arguments->ray, arguments->N, context,
-                 {arguments->geomID, arguments->primID});
+  ValidRays<k_most> rays(arguments->valid, arguments->ray, arguments->N, context,
+                         {arguments->geomID, arguments->primID});
   const detail::DisplacedKernel& kernel = detail::displaced_kernel();
   if (rays.count == 1) {
     kernel.is_hit(data.arrays(), arguments->primID, rays.queries[0]);
@@ -263,6 +273,16 @@ void occlude_patch(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
+void intersect_part(const RTCIntersectFunctionNArguments* arguments) {
+  if (arguments->N == 1) return intersect_rays<1>(arguments);
+  intersect_rays<detail::k_most_rays>(arguments);
+}
+
+void occlude_part(const RTCOccludedFunctionNArguments* arguments) {
+  if (arguments->N == 1) return occlude_rays<1>(arguments);
+  occlude_rays<detail::k_most_rays>(arguments);
+}
+
 }  // namespace
 
 namespace detail {
@@ -271,37 +291,40 @@ RTCGeometry displaced_geometry(RTCDevice device, const DisplacedMesh::Data& data
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(data.n_parts()));
   rtcSetGeometryUserData(geometry, const_cast<DisplacedMesh::Data*>(&data));
-  rtcSetGeometryBoundsFunction(geometry, patch_box, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect_patch);
-  rtcSetGeometryOccludedFunction(geometry, occlude_patch);
+  rtcSetGeometryBoundsFunction(geometry, bound_part, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, intersect_part);
+  rtcSetGeometryOccludedFunction(geometry, occlude_part);
   rtcCommitGeometry(geometry);
   return geometry;
+}
+
+void save_memory(RTCScene scene, RTCSceneFlags flags, const DisplacedMesh::Data& data) {
+  // The compact flag keeps a third of the memory and costs no speed here.
+  rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags | RTC_SCENE_FLAG_COMPACT));
+  // Of very many parts, boxes would outweigh the rest. Rougher ones take a third of the memory, and rays a
+  // sixth more time.
+  constexpr std::size_t k_many_parts = 1 << 17;
+  if (data.n_parts() > k_many_parts) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
 }
 
 }  // namespace detail
 
 DisplacedMesh::Data::Data(const PolygonSoup& base, DisplacementMap heights,
                           const DisplacedMeshOptions& options)
-    : map(at_least_two(std::move(heights))),
-      frame(frame_of(checked(base))),
-      patches(detail::make_displaced_patches(base, frame, map.columns(), map.rows(),
-                                             levels_of(base, map, options))),
-      partial(options.partial) {
-  check_reach(base, map);
-  detail::divide_into_parts(patches);
+    : map(at_least_two(std::move(heights))), partial(options.partial) {
+  check(base, map);
   bounds.emplace(map);
+  frame = frame_of(base, *bounds);
+  patches =
+      detail::make_displaced_patches(base, frame, map.columns(), map.rows(), levels_of(base, map, options));
+  detail::divide_into_parts(patches);
   view = view_of(*bounds, frame.scale);
 }
 
 void DisplacedMesh::Data::build_scene() {
   const RTCDevice device = detail::embree_device();
   scene = rtcNewScene(device);
-  // The compact flag keeps a third of the memory and costs no speed here.
-  rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT));
-  // Of very many patches, boxes would outweigh the rest. Rougher ones take a third of the memory, and rays a
-  // sixth more time.
-  constexpr std::size_t k_many_parts = 1 << 17;
-  if (n_parts() > k_many_parts) rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_LOW);
+  detail::save_memory(scene, RTC_SCENE_FLAG_ROBUST, *this);
   const RTCGeometry geometry = detail::displaced_geometry(device, *this);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -309,13 +332,27 @@ void DisplacedMesh::Data::build_scene() {
   detail::throw_on_embree_error(device, "build a displaced surface");
 }
 
+double DisplacedMesh::Data::height_span() const {
+  const HeightRange range = range_of(*bounds);
+  return (range.max - range.min) * frame.scale;
+}
+
 DisplacedMesh::Data::~Data() {
   if (scene != nullptr) rtcReleaseScene(scene);
 }
 
 void DisplacedMesh::Data::take_map(DisplacementMap heights) {
-  map = at_least_two(std::move(heights));
+  DisplacementMap other = at_least_two(std::move(heights));
+  if (other.columns() != map.columns() || other.rows() != map.rows())
+    throw OptionError("a displaced surface keeps the size of its map");
+  map = std::move(other);
   bounds.emplace(map);
+  if (const double most = largest_height(*bounds) * frame.scale; most > 1) {
+    frame.scale /= most;
+    for (detail::DisplacedVertex& vertex : patches.vertices) {
+      for (float& coordinate : vertex.position) coordinate /= static_cast<float>(most);
+    }
+  }
   view = view_of(*bounds, frame.scale);
   const RTCGeometry geometry = rtcGetGeometry(scene, 0);
   rtcCommitGeometry(geometry);
@@ -324,21 +361,30 @@ void DisplacedMesh::Data::take_map(DisplacementMap heights) {
 }
 
 bool DisplacedMesh::Data::set_ray(const Vec3& origin, const Vec3& direction,
-                                  const DisplacedRayOptions& options, RTCRay& ray) const {
+                                  const DisplacedRayOptions& options, RTCRay& ray, RayScale& scale) const {
   if (!(options.fraction >= 0 && options.fraction <= 1))
     throw OptionError("the fraction of a displacement lies between 0 and 1");
   if (options.fraction < 1 && !partial)
     throw OptionError("this surface was not made for partial displacement");
   if (!origin.allFinite() || !direction.allFinite() || direction.isZero(0)) return false;
-  const Vec3 from = frame.to_scene(origin), along = direction * frame.scale;
-  ray.org_x = static_cast<float>(from.x());
-  ray.org_y = static_cast<float>(from.y());
-  ray.org_z = static_cast<float>(from.z());
-  ray.dir_x = static_cast<float>(along.x());
-  ray.dir_y = static_cast<float>(along.y());
-  ray.dir_z = static_cast<float>(along.z());
-  ray.tnear = static_cast<float>(options.t_min);
-  ray.tfar = static_cast<float>(options.t_max);
+  // From afar a ray starts near the surface, where float tells its points apart. Base and heights lie within
+  // the scene's middle by half its size and one, along each axis.
+  constexpr double k_scene_radius = 3;
+  const Vec3 unit = direction.stableNormalized(), from = frame.to_scene(origin);
+  scale.length = direction.stableNorm() * frame.scale;
+  scale.start = std::max(0.0, -from.dot(unit) - k_scene_radius);
+  const double from_t = options.t_min * scale.length - scale.start;
+  const double to_t = options.t_max * scale.length - scale.start;
+  if (!(to_t >= 0)) return false;
+  const Vec3 start = from + scale.start * unit;
+  ray.org_x = static_cast<float>(start.x());
+  ray.org_y = static_cast<float>(start.y());
+  ray.org_z = static_cast<float>(start.z());
+  ray.dir_x = static_cast<float>(unit.x());
+  ray.dir_y = static_cast<float>(unit.y());
+  ray.dir_z = static_cast<float>(unit.z());
+  ray.tnear = static_cast<float>(std::max(0.0, from_t));
+  ray.tfar = static_cast<float>(to_t);
   ray.mask = 0xffffffffu;
   return true;
 }
@@ -350,23 +396,23 @@ PatchArrays DisplacedMesh::Data::arrays() const {
 
 DisplacedMesh::Data::BasePlace DisplacedMesh::Data::base_place(std::uint32_t part, std::uint32_t small,
                                                                double patch_u, double patch_v) const {
-  const std::uint32_t number = patches.parts.empty() ? part : patches.parts[part].patch;
-  const DisplacedPatch& patch = patches.patches[number];
+  BasePlace place;
+  place.patch = patches.parts.empty() ? part : patches.parts[part].patch;
+  const DisplacedPatch& patch = patches.patches[place.patch];
   // On the diagonal, the small triangle tells the side.
   const double sum = patch_u + patch_v;
-  const bool second = patch.is_single == 0 && ((small & 1) != 0 ? sum >= 1 : sum > 1);
-  const double u = second ? 1 - patch_u : patch_u, v = second ? 1 - patch_v : patch_v;
-  const Vec3 weights(1 - u - v, u, v);  // of a, b, d; of c, d, b
-  const std::array<std::size_t, 3> corners =
-      second ? std::array<std::size_t, 3>{2, 3, 1} : std::array<std::size_t, 3>{0, 1, 3};
-  BasePlace place;
-  place.triangle = patches.triangles[number][second ? 1 : 0];
+  place.is_second = patch.is_single == 0 && ((small & 1) != 0 ? sum >= 1 : sum > 1);
+  const double u = place.is_second ? 1 - patch_u : patch_u, v = place.is_second ? 1 - patch_v : patch_v;
+  place.patch_weights = {1 - u - v, u, v};
+  const std::size_t half = place.is_second ? 1 : 0;
+  place.triangle = patches.triangles[place.patch][half];
   double x = 0, y = 0;
+  const std::array<std::size_t, 3> corners = place.corners();
   for (std::size_t k = 0; k < 3; ++k) {
-    const double weight = weights[static_cast<Eigen::Index>(k)];
+    const double weight = place.patch_weights[static_cast<Eigen::Index>(k)];
     x += weight * static_cast<double>(patch.x[corners[k]]);
     y += weight * static_cast<double>(patch.y[corners[k]]);
-    place.weights[static_cast<Eigen::Index>((patch.first_corner[second ? 1 : 0] + k) % 3)] = weight;
+    place.weights[static_cast<Eigen::Index>((patch.first_corner[half] + k) % 3)] = weight;
   }
   place.uv = {(x - 0.5) / map.columns(), 1 - (y - 0.5) / map.rows()};
   return place;
@@ -381,16 +427,13 @@ DisplacedMesh::~DisplacedMesh() = default;
 DisplacedMesh::DisplacedMesh(DisplacedMesh&&) noexcept = default;
 DisplacedMesh& DisplacedMesh::operator=(DisplacedMesh&&) noexcept = default;
 
-void DisplacedMesh::set_map(DisplacementMap map) {
-  if (map.columns() != data_->map.columns() || map.rows() != data_->map.rows())
-    throw OptionError("a displaced surface keeps the size of its map");
-  data_->take_map(std::move(map));
-}
+void DisplacedMesh::set_map(DisplacementMap map) { data_->take_map(std::move(map)); }
 
 std::optional<DisplacedMesh::Hit> DisplacedMesh::first_hit(const Vec3& origin, const Vec3& direction,
                                                            const DisplacedRayOptions& options) const {
   RTCRayHit ray{};
-  if (!data_->set_ray(origin, direction, options, ray.ray)) return std::nullopt;
+  Data::RayScale scale;
+  if (!data_->set_ray(origin, direction, options, ray.ray, scale)) return std::nullopt;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RayContext context = detail::make_ray_context();
   context.fraction = static_cast<float>(options.fraction);
@@ -400,7 +443,7 @@ std::optional<DisplacedMesh::Hit> DisplacedMesh::first_hit(const Vec3& origin, c
   const Data::BasePlace place =
       data_->base_place(part, small, static_cast<double>(ray.hit.u), static_cast<double>(ray.hit.v));
   Hit hit;
-  hit.t = static_cast<double>(ray.ray.tfar);
+  hit.t = scale.t_of(ray.ray.tfar);
   hit.face = data_->patches.faces[place.triangle];
   hit.triangle = place.triangle;
   hit.weights = place.weights;
@@ -413,7 +456,8 @@ std::optional<DisplacedMesh::Hit> DisplacedMesh::first_hit(const Vec3& origin, c
 bool DisplacedMesh::is_hit(const Vec3& origin, const Vec3& direction,
                            const DisplacedRayOptions& options) const {
   RTCRay ray{};
-  if (!data_->set_ray(origin, direction, options, ray)) return false;
+  Data::RayScale scale;
+  if (!data_->set_ray(origin, direction, options, ray, scale)) return false;
   RayContext context = detail::make_ray_context();
   context.fraction = static_cast<float>(options.fraction);
   rtcOccluded1(data_->scene, &context.embree, &ray);

@@ -135,7 +135,11 @@ void build_embree_scene(SceneData& data) {
   data.scene = rtcNewScene(device);
   throw_on_embree_error(device, "make a scene");
   // Rays that leave a surface carry a filter, see tracing.cpp.
-  rtcSetSceneFlags(data.scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  const RTCSceneFlags flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+  rtcSetSceneFlags(data.scene, flags);
+  for (const MeshData& mesh : data.meshes) {
+    if (mesh.displaced) detail::save_memory(data.scene, flags, mesh.displaced->surface);
+  }
   for (const MeshData& mesh : data.meshes) {
     const RTCGeometry geometry = mesh.displaced ? detail::displaced_geometry(device, mesh.displaced->surface)
                                                 : triangle_geometry(device, mesh);
@@ -202,11 +206,14 @@ Scene::Scene(const BakedMaps& maps, const DisplacedMeshOptions& displacement, co
 void Scene::build_displaced(const PolygonSoup& base, std::shared_ptr<DisplacedLook> look,
                             const SceneOptions& options) {
   look->is_flat = options.crease_angle == 0;
-  place_scene(std::span<const PolygonSoup>(&base, 1), *data_);
+  data_->center = look->surface.frame.center;
+  data_->scale = look->surface.frame.scale;
   add_mesh(base, options.crease_angle, *data_);
+  data_->meshes.front().corner_normals = {};  // shading takes the map's or the heights'
   const Box3 box = displaced_box(look->surface);
   data_->meshes.front().displaced = std::move(look);
-  extend_radius(std::max(data_->scaled(box.min()).norm(), data_->scaled(box.max()).norm()), *data_);
+  const Vec3 farthest = data_->scaled(box.min()).cwiseAbs().cwiseMax(data_->scaled(box.max()).cwiseAbs());
+  extend_radius(farthest.norm(), *data_);
   if (options.ground) {
     PolygonSoup corners;  // of the box around all heights
     for (int k = 0; k < 8; ++k) corners.positions.push_back(box.corner(static_cast<Box3::CornerType>(k)));

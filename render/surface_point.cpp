@@ -43,7 +43,7 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
   const Vec3f weights(1 - hit.u - hit.v, hit.u, hit.v);
   SurfaceLook look{Vec3f::Zero(), mesh.triangle_colors[triangle]};
   if (mesh.displaced) {
-    look.normal = displaced_normal(*mesh.displaced, mesh, hit).cast<float>();
+    look.normal = displaced_normal(*mesh.displaced, any_hit).cast<float>();
   } else {
     for (std::size_t k = 0; k < 3; ++k)
       look.normal += weights[static_cast<int>(k)] * mesh.corner_normals[3 * triangle + k];
@@ -87,7 +87,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
   if (mesh.displaced) {
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();
-    off = displaced_rounding_bound(mesh, hit_of_base(*mesh.displaced, hit), point.position);
+    off = displaced_rounding_bound(*mesh.displaced, mesh, hit, point.position);
   } else {
     place_on_triangle(mesh, hit, point);
     off = rounding_bound(mesh, hit.part.primitive, point.position);

@@ -77,7 +77,7 @@ struct PatchArrays {
 /// A ray and what is found along it.
 struct PatchRayQuery {
   float origin[3];
-  float direction[3];  ///< any length but 0
+  float direction[3];  ///< of about unit length
   float t_min;
   float t_max;                           ///< a hit sets it to its own t
   bool accepts_equal = true;             ///< a hit at t_max counts

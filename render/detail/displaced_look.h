@@ -10,15 +10,14 @@
 namespace recede::detail {
 
 struct DisplacedLook {
-  DisplacedLook(const PolygonSoup& base, DisplacementMap heights, const DisplacedMeshOptions& options);
+  DisplacedLook(const PolygonSoup& base, DisplacementMap heights, const DisplacedMeshOptions& options)
+      : surface(base, std::move(heights), options) {}
   /// With the normals of their normal map.
   DisplacedLook(const BakedMaps& baked, const DisplacedMeshOptions& options);
   DisplacedLook(const DisplacedLook&) = delete;
   DisplacedLook& operator=(const DisplacedLook&) = delete;
 
   DisplacedMesh::Data surface;
-  std::vector<Vec3f> directions;                   ///< three a triangle of the base
-  std::vector<Vec2> uvs;                           ///< likewise
   std::optional<BakedMaps> maps = {};              ///< set where there is a normal map
   std::optional<MapTriangles> map_triangles = {};  ///< of `maps`
   bool is_flat = false;                            ///< small triangles are shaded as facets
@@ -27,11 +26,12 @@ struct DisplacedLook {
 /// The hit of a displaced surface as one of its base: primitive, u and v are those of the base's triangle.
 Hit hit_of_base(const DisplacedLook& look, const Hit& hit);
 
-/// The unit normal for shading at a hit of the base, on its front: the normal map's, or that of the surface
-/// with heights whose slopes are interpolated between texels, so that texels don't show as facets.
-Vec3 displaced_normal(const DisplacedLook& look, const MeshData& base, const Hit& base_hit);
+/// The unit normal for shading, on the base's front: the normal map's, or that of the surface with heights
+/// whose slopes are interpolated between texels, so that texels don't show as facets.
+Vec3 displaced_normal(const DisplacedLook& look, const Hit& hit);
 
 /// How far rays that leave a small triangle must start off it, so that rounding puts them on its right side.
-double displaced_rounding_bound(const MeshData& base, const Hit& base_hit, const Vec3& position);
+double displaced_rounding_bound(const DisplacedLook& look, const MeshData& base, const Hit& hit,
+                                const Vec3& position);
 
 }  // namespace recede::detail

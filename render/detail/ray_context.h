@@ -21,7 +21,7 @@ struct RayContext {
   SurfacePart from = {};       ///< flat, and where the rays start: they can't meet it again
   float fraction = 1;          ///< of the displacement
   /// Of displaced surfaces, by the number that a ray has in `RTCRay::id`: the small triangle that it meets.
-  std::array<std::uint32_t, 16> small;
+  std::array<std::uint32_t, 16> small{};
 };
 
 inline RayContext make_ray_context() {

@@ -41,18 +41,28 @@ struct Ray {
   Vec3 origin, direction;
 };
 
-PatchRayQuery query_of(const DisplacedMesh::Data& data, const Ray& ray, double fraction = 1) {
-  PatchRayQuery query;
-  const Vec3 origin = data.frame.to_scene(ray.origin), direction = ray.direction * data.frame.scale;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    query.origin[axis] = static_cast<float>(origin[axis]);
-    query.direction[axis] = static_cast<float>(direction[axis]);
-  }
-  query.t_min = 0;
-  query.t_max = std::numeric_limits<float>::infinity();
+// A ray as the surface traces it.
+struct SceneRay {
+  PatchRayQuery query{};
+  DisplacedMesh::Data::RayScale scale;
+};
+
+SceneRay scene_ray(const DisplacedMesh::Data& data, const Ray& ray, double fraction = 1) {
+  SceneRay result;
+  RTCRay embree{};
+  EXPECT_TRUE(data.set_ray(ray.origin, ray.direction, {.fraction = fraction}, embree, result.scale));
+  PatchRayQuery& query = result.query;
+  const float origin[3] = {embree.org_x, embree.org_y, embree.org_z};
+  const float direction[3] = {embree.dir_x, embree.dir_y, embree.dir_z};
+  std::copy(origin, origin + 3, query.origin);
+  std::copy(direction, direction + 3, query.direction);
+  query.t_min = embree.tnear;
+  query.t_max = embree.tfar;
   query.fraction = static_cast<float>(fraction);
-  return query;
+  return result;
 }
+
+PatchRayQuery query_of(const DisplacedMesh::Data& data, const Ray& ray) { return scene_ray(data, ray).query; }
 
 // All small triangles, one by one.
 class BruteForce {
@@ -88,14 +98,15 @@ class BruteForce {
   }
 
   struct Hit {
-    float t = std::numeric_limits<float>::infinity();
+    float t = std::numeric_limits<float>::infinity();  ///< scaled scene
     std::uint64_t small = 0;
     bool found = false;
   };
   Hit first_hit(const Ray& ray) const {
     Hit best;
+    const SceneRay start = scene_ray(data_, ray, fraction_);
     for (const Triangle& triangle : triangles_) {
-      PatchRayQuery query = query_of(data_, ray, fraction_);
+      PatchRayQuery query = start.query;
       query.t_max = best.t;
       query.accepts_equal = !best.found;
       if (!detail::displaced_kernel().test_triangle(triangle.corners[0].data(), triangle.corners[1].data(),
@@ -263,6 +274,15 @@ std::vector<Case> cases() {
   PolygonSoup sliver = unit_square();
   sliver.positions[2] = {0.5, 1e-7, 0};
   add("a sliver", sliver, rough_map(16, 16, 0, 0.3, MapBorder::clamped, 18), 4);
+  PolygonSoup collapsed = unit_square();
+  collapsed.positions[1] = collapsed.positions[0];
+  add("a collapsed side", collapsed, rough_map(16, 16, 0, 0.3, MapBorder::clamped, 21), 5);
+  PolygonSoup needle = unit_square();
+  needle.positions[1] = {1e-20, 0, 0};
+  needle.positions[0] = {0, 0, 0};
+  add("a side of almost nothing", needle, rough_map(16, 16, 0, 0.3, MapBorder::clamped, 22), 5);
+  add("heights far larger than the base", unit_square(), rough_map(16, 16, -80, 120, MapBorder::clamped, 23),
+      5);
   PolygonSoup smeared = unit_square();
   for (Vec2& uv : smeared.corner_uvs) uv = {0.3, 0.4};
   add("one texture coordinate", smeared, rough_map(16, 16, 0, 0.3, MapBorder::clamped, 19), 3);
@@ -291,7 +311,8 @@ TEST_P(DisplacedCase, TheFirstHitIsThatOfBruteForceOverAllSmallTriangles) {
       ASSERT_EQ(hit.has_value(), expected.found) << c.name << " ray " << k << " fraction " << fraction;
       EXPECT_EQ(mesh.is_hit(ray.origin, ray.direction, {.fraction = fraction}), expected.found);
       if (!hit) continue;
-      ASSERT_EQ(hit->t, expected.t) << c.name << " ray " << k << " fraction " << fraction;
+      ASSERT_EQ(hit->t, scene_ray(mesh.data(), ray, fraction).scale.t_of(expected.t))
+          << c.name << " ray " << k << " fraction " << fraction;
       ASSERT_EQ(hit->small, expected.small) << c.name << " ray " << k << " fraction " << fraction;
     }
   }
@@ -538,6 +559,42 @@ TEST(DisplacedMesh, StrangeRaysMeetNothing) {
   const auto tiny = mesh.first_hit({0.25, 0.5, 1}, {0, 0, -1e-30});
   ASSERT_TRUE(tiny);
   EXPECT_NEAR(tiny->t, 1e30, 1e24);
+}
+
+TEST(DisplacedMesh, DirectionsOfAnyLengthAndOriginsFromAfarMeetTheSame) {
+  const DisplacedMesh mesh(chart_sphere(2, {5, 6, 7}), rough_map(40, 30, 0, 0.2, MapBorder::clamped, 1));
+  std::mt19937 random(8);
+  for (int k = 0; k < 200; ++k) {
+    const Ray ray = random_ray(random, {5, 6, 7});
+    const auto hit = mesh.first_hit(ray.origin, ray.direction);
+    for (const double length : {1e-30, 1e-3, 1e20}) {
+      const auto other = mesh.first_hit(ray.origin, length * ray.direction);
+      ASSERT_EQ(other.has_value(), hit.has_value());
+      if (hit) {
+        EXPECT_NEAR(other->t * length, hit->t, 1e-6);  // some steps of float at the size of the scene
+      }
+    }
+    // A thousand radii away, float would round the origin by half a hundredth of a texel's side.
+    const double away = 1000 / ray.direction.norm();
+    const auto afar = mesh.first_hit(ray.origin - away * ray.direction, ray.direction);
+    ASSERT_EQ(afar.has_value(), hit.has_value());
+    if (hit) {
+      EXPECT_NEAR(afar->t - away, hit->t, 2e-6);
+    }
+  }
+}
+
+TEST(DisplacedMesh, AMapOfLargerHeightsMayFollow) {
+  DisplacedMeshOptions options;
+  options.level = 5;
+  DisplacedMesh mesh(unit_square(), flat_map(0.1f), options);
+  mesh.set_map(flat_map(50));
+  const auto hit = mesh.first_hit({0.3, 0.6, 60}, {0, 0, -1});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 10, 1e-4);  // some steps of float at 60
+  DisplacedMesh one(unit_square(), DisplacementMap(1, 1, {0.25f}), options);
+  one.set_map(DisplacementMap(1, 1, {0.5f}));
+  EXPECT_NEAR(one.first_hit({0.3, 0.6, 1}, {0, 0, -1})->t, 0.5, 1e-6);
 }
 
 TEST(DisplacedMesh, BadInputIsNamed) {

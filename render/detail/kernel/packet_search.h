@@ -16,18 +16,26 @@ class BoxRays {
  public:
   BoxRays(const PatchRayQuery* rays, unsigned count, const PatchFrame& frame) {
     for (int h = 0; h < 2; ++h) {
+      float origins[3][8], directions[3][8];
       for (int k = 0; k < 8; ++k) {
         // Lanes without a ray repeat the first one.
         const unsigned at = static_cast<unsigned>(8 * h + k);
         const PatchRayQuery& ray = rays[at < count ? at : 0];
         for (int axis = 0; axis < 3; ++axis) {
-          origin_high_[axis].halves[h][k] = ray.origin[axis];
-          inverse_[axis].halves[h][k] = ray.direction[axis];
+          origins[axis][k] = ray.origin[axis];
+          directions[axis][k] = ray.direction[axis];
         }
         t_min_.halves[h][k] = ray.t_min;
         t_max_.halves[h][k] = ray.t_max;
       }
-      turn(h, frame);
+      Float8 origin[3], direction[3], far = all8(0);
+      for (int axis = 0; axis < 3; ++axis) {
+        __builtin_memcpy(&direction[axis], directions[axis], sizeof(Float8));
+        __builtin_memcpy(&origin[axis], origins[axis], sizeof(Float8));
+        origin[axis] -= frame.origin[axis];
+        far = largest(far, largest(origin[axis], -origin[axis]));
+      }
+      set_axes(h, frame, origin, direction, BoxRay::k_room * (1 + far));
     }
   }
 
@@ -65,23 +73,17 @@ class BoxRays {
   }
 
  private:
-  void turn(int h, const PatchFrame& frame) {
-    Float8 origin[3], direction[3], far = all8(0);
-    for (int axis = 0; axis < 3; ++axis) {
-      origin[axis] = origin_high_[axis].halves[h] - frame.origin[axis];
-      direction[axis] = inverse_[axis].halves[h];
-      far = largest(far, largest(origin[axis], -origin[axis]));
-    }
-    const Float8 room = BoxRay::k_room * (1 + far);
+  void set_axes(int h, const PatchFrame& frame, const Float8* origin, const Float8* direction, Float8 room) {
     for (int axis = 0; axis < 3; ++axis) {
       const float* const along = frame.axes[axis];
-      const float length =
-          (__builtin_fabsf(along[0]) + __builtin_fabsf(along[1])) + __builtin_fabsf(along[2]);
+      const float size = size_of_axis(along);
+      const bool is_there = size > BoxRay::k_no_size;
       const Float8 o = (origin[0] * along[0] + origin[1] * along[1]) + origin[2] * along[2];
       const Float8 d = (direction[0] * along[0] + direction[1] * along[1]) + direction[2] * along[2];
-      origin_high_[axis].halves[h] = o + room * length;
-      origin_low_[axis].halves[h] = o - room * length;
-      for (int k = 0; k < 8; ++k) inverse_[axis].halves[h][k] = BoxRay::inverse(d[k]);
+      origin_high_[axis].halves[h] = is_there ? o + room * size : all8(BoxRay::k_far);
+      origin_low_[axis].halves[h] = is_there ? o - room * size : all8(-BoxRay::k_far);
+      for (int k = 0; k < 8; ++k)
+        inverse_[axis].halves[h][k] = is_there ? BoxRay::inverse(d[k]) : BoxRay::k_far;
     }
   }
 

@@ -9,6 +9,11 @@ namespace {
 
 inline float dot3(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+// The sum of an axis' coordinates: at least its length.
+inline float size_of_axis(const float* axis) {
+  return (__builtin_fabsf(axis[0]) + __builtin_fabsf(axis[1])) + __builtin_fabsf(axis[2]);
+}
+
 // A ray against boxes in a patch's frame.
 class BoxRay {
  public:
@@ -22,12 +27,11 @@ class BoxRay {
     const float room = k_room * (1 + far);
     for (int axis = 0; axis < 3; ++axis) {
       const float* const along = frame.axes[axis];
-      const float o = dot3(origin, along), d = dot3(ray.direction, along);
-      const float length =
-          (__builtin_fabsf(along[0]) + __builtin_fabsf(along[1])) + __builtin_fabsf(along[2]);
-      origin_high_[axis] = all4(o + room * length);
-      origin_low_[axis] = all4(o - room * length);
-      inverse_[axis] = all4(inverse(d));
+      const float o = dot3(origin, along), d = dot3(ray.direction, along), size = size_of_axis(along);
+      const bool is_there = size > k_no_size;
+      origin_high_[axis] = all4(is_there ? o + room * size : k_far);
+      origin_low_[axis] = all4(is_there ? o - room * size : -k_far);
+      inverse_[axis] = all4(is_there ? inverse(d) : k_far);
     }
   }
 
@@ -47,6 +51,8 @@ class BoxRay {
   static constexpr float k_late = 1 + 6e-7f;  // t of boxes and of triangles are rounded differently
   // Some steps of float at the size of a scene: points, boxes and rays are rounded differently.
   static constexpr float k_room = 2e-6f;
+  // Sides shorter than that bound nothing: with `k_far` as origins and reciprocal, their boxes are endless.
+  static constexpr float k_no_size = 1e-12f, k_far = 1e30f;
   static float inverse(float direction) {
     constexpr float k_flat = 1e-20f;
     return 1 / (__builtin_fabsf(direction) > k_flat ? direction : direction < 0 ? -k_flat : k_flat);
