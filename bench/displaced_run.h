@@ -12,4 +12,7 @@ namespace recede::bench {
 /// of one thread.
 std::string displaced_tables(const BenchOptions& options);
 
+/// Rays that get out of closed surfaces, first hits that differ from brute force, and false shadows, counted.
+std::string displaced_checks(const BenchOptions& options);
+
 }  // namespace recede::bench

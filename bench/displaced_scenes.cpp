@@ -370,18 +370,23 @@ void intersect_small(const RTCIntersectFunctionNArguments* arguments) {
 
 }  // namespace
 
-DisplacedScene one_by_one(RTCDevice device, const DisplacedMesh& mesh) {
+DisplacedScene one_by_one(RTCDevice device, const DisplacedMesh& mesh, std::vector<std::uint64_t>& numbers) {
   const DisplacedMesh::Data& data = mesh.data();
+  const detail::PatchArrays arrays = data.arrays();
   const auto small = std::make_shared<SmallTriangles>();
-  for (std::uint32_t p = 0; p < data.patches.patches.size(); ++p) {
-    const detail::DisplacedPatch& patch = data.patches.patches[p];
-    const std::uint32_t side = 1u << patch.level;
-    for (std::uint32_t at = 0; at < 2 * side * side; ++at) {
-      const std::uint32_t i = at / 2 % side, j = at / 2 / side, upper = at & 1;
+  for (std::uint32_t number = 0; number < data.n_parts(); ++number) {
+    const detail::PatchPart part = arrays.parts != nullptr
+                                       ? arrays.parts[number]
+                                       : detail::PatchPart{number, 0, 0, arrays.patches[number].level};
+    const detail::DisplacedPatch& patch = arrays.patches[part.patch];
+    const std::uint32_t side = 1u << patch.level, size = 1u << part.level;
+    for (std::uint32_t at = 0; at < 2 * size * size; ++at) {
+      const std::uint32_t i = part.i + at / 2 % size, j = part.j + at / 2 / size, upper = at & 1;
       if (patch.is_single && i + j + 1 + upper > side) continue;
+      numbers.push_back(std::uint64_t{number} << 32 | (2 * (i + side * j) + upper));
       std::array<float, 9>& corners = small->corners.emplace_back();
       const auto set = [&](std::size_t k, std::uint32_t di, std::uint32_t dj) {
-        detail::displaced_kernel().point(data.arrays(), p, i + di, j + dj, 1, corners.data() + 3 * k);
+        detail::displaced_kernel().point(arrays, part.patch, i + di, j + dj, 1, corners.data() + 3 * k);
       };
       set(0, upper, upper);
       set(1, 1 - upper, upper);

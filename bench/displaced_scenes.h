@@ -35,8 +35,8 @@ struct DisplacedSystem {
 /// displacement function, and the recursion over all small triangles.
 std::vector<DisplacedSystem> displaced_systems();
 
-/// Every small triangle as one user primitive tested like in our own search, in the order of their numbers:
-/// brute force that Embree finds the candidates for.
-DisplacedScene one_by_one(RTCDevice device, const DisplacedMesh& mesh);
+/// Every small triangle as one user primitive tested like in our own search: brute force that Embree finds
+/// the candidates for. `numbers` gets the number that `DisplacedMesh::Hit::small` has for each.
+DisplacedScene one_by_one(RTCDevice device, const DisplacedMesh& mesh, std::vector<std::uint64_t>& numbers);
 
 }  // namespace recede::bench

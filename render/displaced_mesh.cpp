@@ -251,7 +251,7 @@ void intersect_rays(const RTCIntersectFunctionNArguments* arguments) {
     RTCHitN_Ng_x(hits, n, k) = query.normal[0];
     RTCHitN_Ng_y(hits, n, k) = query.normal[1];
     RTCHitN_Ng_z(hits, n, k) = query.normal[2];
-    context.small[RTCRayN_id(all_rays, n, k)] = query.triangle;
+    context.small[RTCRayN_id(all_rays, n, k) % context.small.size()] = query.triangle;
   }
 }
 
