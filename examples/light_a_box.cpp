@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 
 namespace {
@@ -96,6 +97,9 @@ int main(int argc, char** argv) try {
   const std::vector<recede::PolygonSoup> room = make_room();
   const recede::Scene scene{std::span<const recede::PolygonSoup>(room)};
   recede::write_image(argv[1], recede::side_by_side(draw(scene, argc == 3 ? std::stod(argv[2]) : 0.01)));
+} catch (const std::invalid_argument&) {
+  std::cerr << "light_a_box: NOISE isn't a number\n";
+  return 2;
 } catch (const recede::Error& error) {
   std::cerr << error.what() << '\n';
   return 1;

@@ -190,7 +190,7 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
   if (flat) shading.crease_angle = 0;
   if (ground) shading.ground = Ground{.up = up};
   DisplacedMeshOptions displacement;
-  displacement.level = from["subdivision_level"].cast<std::optional<int>>();
+  read(from, "subdivision_level", displacement.level);
   const Drawn drawn = read_drawn(surface, from);
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
     Camera camera = camera_in_front(drawn.base().positions, up, field_of_view, width, height);

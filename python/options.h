@@ -12,13 +12,24 @@
 
 namespace recede::python {
 
+/// Throws `TypeError` with the name when the value is of another type.
+template <typename Value>
+Value value_of(const py::dict& from, const char* key) {
+  try {
+    return from[key].cast<Value>();
+  } catch (const py::cast_error&) {
+    throw py::type_error(std::string(key) + ": a value of another type is needed, not " +
+                         py::repr(from[key]).cast<std::string>());
+  }
+}
+
 template <typename Value>
 void read(const py::dict& from, const char* key, Value& to) {
-  if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
+  if (from.contains(key) && !from[key].is_none()) to = value_of<Value>(from, key);
 }
 template <typename Value>
 void read(const py::dict& from, const char* key, std::optional<Value>& to) {
-  if (from.contains(key) && !from[key].is_none()) to = from[key].cast<Value>();
+  if (from.contains(key) && !from[key].is_none()) to = value_of<Value>(from, key);
 }
 
 /// A dictionary of numbers by name.
@@ -42,7 +53,7 @@ Choice choice(const char* key, const std::string& name, const std::map<std::stri
 template <typename Choice>
 void read_choice(const py::dict& from, const char* key, const std::map<std::string, Choice>& names,
                  Choice& to) {
-  if (from.contains(key)) to = choice(key, from[key].cast<std::string>(), names);
+  if (from.contains(key)) to = choice(key, value_of<std::string>(from, key), names);
 }
 
 /// `maps` names those that are made; the others are `map_size` and its like, and `search_distance`.

@@ -57,7 +57,10 @@ EnvironmentMap::EnvironmentMap(const EnvironmentLight& light) : image_(light.rad
   ahead_ = turn * -front_of(up_);
   right_ = ahead_.cross(up_);
   for (Rgb& pixel : image_.pixels) {
-    pixel = static_cast<float>(light.scale) * pixel.cwiseMax(0.0f);
+    const Vec3 scaled = light.scale * pixel.cwiseMax(0.0f).cast<double>();
+    if (scaled.maxCoeff() > static_cast<double>(k_most_light))
+      throw OptionError("the radiance of an environment times its scale is at most 1e15");
+    pixel = scaled.cast<float>();
     if (pixel != image_.pixels[0]) constant_ = false;
     luminances_.push_back(luminance(pixel));
   }

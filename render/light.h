@@ -2,7 +2,8 @@
 //
 // Lights of the scene have physical units per channel: radiance (what a camera records) in, say, watts per
 // square metre and steradian. A matt white surface under an irradiance of pi has the radiance 1, the white of
-// a screen. Places and lengths are object units; directions have any length but 0.
+// a screen. No number of a light is above 1e15. Places and lengths are object units; directions have any
+// length but 0.
 #pragma once
 
 #include <recede/geometry/vec.h>

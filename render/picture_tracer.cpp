@@ -3,7 +3,9 @@
 #include <recede/render/detail/wireframe.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 
@@ -12,18 +14,23 @@ namespace recede::detail {
 namespace {
 
 // Samples (i + 1/2, j(i) + 1/2) / n with j(i) = i g mod n: a lattice that meets each of n columns and n rows
-// once. Steps near the golden section keep the points apart.
+// once. Steps near the golden section keep the points apart. In the order of reversed bits the first ones are
+// spread over the pixel too, with which a picture may end.
 std::vector<Vec2> sample_pattern(int count) {
   int step = std::max(1, static_cast<int>(std::lround(0.6180339887 * count)));
   while (std::gcd(step, count) != 1) ++step;
+  const auto end = std::bit_ceil(static_cast<std::uint32_t>(count));
   std::vector<Vec2> pattern;
-  for (int i = 0; i < count; ++i)
-    pattern.push_back((Vec2(i, (i * step) % count) + Vec2::Constant(0.5)) / count);
+  for (std::uint32_t k = 0; k < end; ++k) {
+    const auto i = static_cast<int>(std::uint64_t{reverse_bits(k)} * end >> 32);
+    if (i < count) pattern.push_back((Vec2(i, (i * step) % count) + Vec2::Constant(0.5)) / count);
+  }
   return pattern;
 }
 
-// Light near the largest number that a float holds must not turn into infinity in sums of squares.
-constexpr float k_most_light = 1e18f;
+// The sum of several lights that are as bright as a light may be can be infinite in float; a picture has
+// numbers.
+constexpr float k_brightest = 1e18f;
 
 }  // namespace
 
@@ -103,7 +110,7 @@ void PictureTracer::sample_by_scene_light(int left, int top, int sample, BlockCo
       color = lights_->seen_environment(direction).value_or(options_.background);
     }
     color += lights_->seen(rays_.eye(), direction, distance);
-    colors.set(lane, color.cwiseMin(k_most_light));
+    colors.set(lane, color.cwiseMin(k_brightest));
   }
 }
 

@@ -22,7 +22,7 @@ void write_block(const detail::Block& block, int column, int row, Image& image) 
 }  // namespace
 
 // The same bytes as those of a ProgressiveRender. With few samples each block is done in one go, and no sums
-// are kept, which need five times the memory of the image.
+// are kept, which need four times the memory of the image.
 Image render(const Scene& scene, const Camera& camera, const RenderOptions& options, Progress* progress) {
   if (options.samples_per_pixel > k_few_samples) {
     ProgressiveRender picture(scene, camera, options);

@@ -41,8 +41,8 @@ constexpr double k_coincident = 1e-5;
 // least, and infinite light would spoil a picture.
 constexpr double k_least_squared_distance = 1e-16;
 
-// Above, sums of squares of light could overflow.
-constexpr float k_most_light = 1e15f;
+// More light of one sample than that could overflow float where several come together.
+constexpr double k_most_arriving = 1e30;
 
 void require_light(const Rgb& color, const std::string& what) {
   if (!color.allFinite() || color.minCoeff() < 0 || color.maxCoeff() > k_most_light)
@@ -68,9 +68,9 @@ SceneLights::SceneLights(const Lighting& lighting, const SceneData& scene, Light
   for (const PointLight& light : lighting.points) {
     require_light(light.intensity, "the intensity of a point light");
     if (!light.position.allFinite()) throw OptionError("the position of a point light must be finite");
-    // Distances grow by the scale, and intensities must with their square.
+    // Distances grow by the scale, and intensities must with their square, which float may not hold.
     points_.push_back(
-        {scene.scaled(light.position), static_cast<float>(scene.scale * scene.scale) * light.intensity});
+        {scene.scaled(light.position), scene.scale * scene.scale * light.intensity.cast<double>()});
   }
   for (const DirectionalLight& light : lighting.directionals) {
     require_light(light.irradiance, "the irradiance of a directional light");
@@ -109,8 +109,9 @@ bool SceneLights::draw(std::size_t light, const Vec3& place, const Vec2& random,
     const double squared = way.squaredNorm();
     if (!(squared > 0)) return false;
     const double distance = std::sqrt(squared);
-    const float over = static_cast<float>(1 / std::max(squared, k_least_squared_distance));
-    arriving = {way / distance, distance * (1 - k_coincident), over * point.intensity};
+    const Vec3 irradiance = point.intensity / std::max(squared, k_least_squared_distance);
+    arriving = {way / distance, distance * (1 - k_coincident),
+                irradiance.cwiseMin(k_most_arriving).cast<float>()};
     return true;
   }
   light -= points_.size();

@@ -480,10 +480,17 @@ def _color(color: Any) -> list[float]:
     return [float(value) for value in np.broadcast_to(values, 3)]
 
 
+def _vector(vector: Any) -> list[float]:
+    values = np.asarray(vector, dtype=float)
+    if values.shape != (3,):
+        raise OptionError("places and directions of lights are three numbers")
+    return [float(value) for value in values]
+
+
 def _environment(light: EnvironmentLight) -> tuple[Any, ...]:
     picture: Any = light.radiance
     if not isinstance(picture, (str, os.PathLike)):
-        picture = np.asarray(picture, dtype=np.float32)
+        picture = np.asarray(picture)
         if picture.ndim < 2:
             picture = np.array(_color(picture), dtype=np.float32).reshape(1, 1, 3)
     return picture, light.rotation * pi / 180, light.scale, light.visible
@@ -493,13 +500,14 @@ def _lights(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
     sorted_lights: dict[str, list[tuple[Any, ...]]] = {"point": [], "directional": [], "area": [], "environment": []}
     for light in lights:
         if isinstance(light, PointLight):
-            sorted_lights["point"].append((light.position, _color(light.intensity)))
+            sorted_lights["point"].append((_vector(light.position), _color(light.intensity)))
         elif isinstance(light, DirectionalLight):
             sorted_lights["directional"].append(
-                (light.toward, _color(light.irradiance), light.angular_radius * pi / 180))
+                (_vector(light.toward), _color(light.irradiance), light.angular_radius * pi / 180))
         elif isinstance(light, AreaLight):
             sorted_lights["area"].append(
-                (light.corner, light.first_edge, light.second_edge, _color(light.radiance), light.two_sided))
+                (_vector(light.corner), _vector(light.first_edge), _vector(light.second_edge), _color(light.radiance),
+                 light.two_sided))
         elif isinstance(light, EnvironmentLight):
             sorted_lights["environment"].append(_environment(light))
         else:

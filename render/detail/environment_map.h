@@ -5,6 +5,9 @@
 
 namespace recede::detail {
 
+/// The brightest that a light may be: divided by densities of drawn directions it still fits in a float.
+inline constexpr float k_most_light = 1e15f;
+
 class EnvironmentMap {
  public:
   /// Throws `OptionError` and `InputError` for what isn't a light.

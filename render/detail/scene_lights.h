@@ -59,8 +59,7 @@ class SceneLights {
 
  private:
   struct Point {
-    Vec3 position;
-    Rgb intensity;
+    Vec3 position, intensity;
   };
   struct Directional {
     Vec3 toward, across, along;  // orthonormal

@@ -477,12 +477,17 @@ def test_a_picture_has_lights_of_the_scene(sphere, tmp_path):
     assert np.allclose(sky, picture(lighting="path", bounces=0, lights=[recede.EnvironmentLight(0.5)]))
     for wrong in ({"lighting": "moon"}, {"lights": []}, {"lighting": "path", "bounces": -1},
                   {"lighting": "path", "lights": [recede.PointLight((0, 0, 0), (1, 2))]},
+                  {"lighting": "path", "lights": [recede.PointLight((0, 0))]},
                   {"lighting": "path", "lights": [recede.DirectionalLight((0, 0, 0))]},
                   {"lighting": "path", "lights": [recede.EnvironmentLight()] * 2}):
         with pytest.raises(recede.OptionError):
             picture(**wrong)
     with pytest.raises(TypeError):
         picture(lighting="path", lights=["sun"])
+    with pytest.raises(TypeError, match="bounces.*1.5"):
+        picture(lighting="path", bounces=1.5)
+    with pytest.raises(recede.InputError, match="floats of linear light"):
+        picture(lighting="path", lights=[recede.EnvironmentLight(np.full((2, 4, 3), 200, dtype=np.uint8))])
     with pytest.raises(recede.InputError, match="nowhere"):
         picture(lighting="path", lights=[recede.EnvironmentLight(tmp_path / "nowhere.exr")])
 

@@ -45,6 +45,20 @@ TEST(Lights, APointLightFallsOffWithTheSquareOfItsDistance) {
   }
 }
 
+TEST(Lights, APointLightIsAsBrightOnModelsOfAnySize) {
+  // So far away and so strong that the irradiance is 3.5 on all of the model.
+  for (const double size : {1e-30, 1e-21, 1e-12, 1e6}) {
+    const Scene scene(with_albedo(make_floor(size), 0.5));
+    const double distance = std::max(1.0, 10 * size);
+    Lighting lighting;
+    lighting.points.push_back({.position = {0, 0, distance},
+                               .intensity = Rgb::Constant(static_cast<float>(3.5 * distance * distance))});
+    const MeasuredRadiance seen =
+        measure_radiance(scene, {0, size, 3 * size}, {0, 0, 0}, direct_light(lighting), 16);
+    EXPECT_NEAR(seen.mean, 0.5 / k_pi * 3.5, 1e-5) << size;  // some steps of float
+  }
+}
+
 TEST(Lights, ADirectionalLightFollowsTheCosineWithAnyAngularRadius) {
   const Scene scene(with_albedo(make_floor(1), 0.5));
   for (const double slope : {0.2, 1.0, 5.0}) {
@@ -240,6 +254,9 @@ TEST(Lights, ALightThatCannotBeIsRefused) {
   refuse(lighting);
   lighting = sky_of(Image(1, 1));
   lighting.environment->scale = -1;
+  refuse(lighting);
+  lighting = sky_of(Image(1, 1, Rgb::Constant(2)));
+  lighting.environment->scale = 1e15;
   refuse(lighting);
   EXPECT_THROW(daylight(Vec3::Zero()), OptionError);
   RenderOptions options = direct_light({});

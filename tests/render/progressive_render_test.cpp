@@ -1,10 +1,12 @@
 #include "measured_radiance.h"
 #include "shapes.h"
 #include <recede/geometry/error.h>
+#include <recede/render/image_difference.h>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -134,6 +136,37 @@ TEST(ProgressiveRender, NoisyBlocksGetMoreSamplesUntilTheyAreGoodEnough) {
     sum += static_cast<double>(step * step);
   }
   EXPECT_LT(std::sqrt(sum / static_cast<double>(errors.pixels.size())), 0.011);
+}
+
+TEST(ProgressiveRender, FewSamplesOfManyFillThePixelByTheCamerasLightToo) {
+  RenderOptions options;
+  options.samples_per_pixel = 1024;
+  options.background = Rgb::Zero();
+  options.camera_light = {.lamp = Rgb::Zero(), .sky = Rgb::Ones(), .ground = Rgb::Ones()};
+  const Camera camera{.position = {0, 0, 3}, .field_of_view = 0.1, .width = 1, .height = 1};
+  // A floor's border runs through the middle of the only pixel, in four directions.
+  for (const Vec3& middle : {Vec3(-5, 0, 0), Vec3(5, 0, 0), Vec3(0, -5, 0), Vec3(0, 5, 0)}) {
+    const Scene scene(with_albedo(make_floor(5, middle), 1));
+    ProgressiveRender picture(scene, camera, options);
+    for (const int samples : {16, 48, 960}) {
+      picture.add_samples(samples);
+      // One sample lies in each of as many columns and rows: one may be on the wrong side.
+      EXPECT_NEAR(picture.image().at(0, 0).x(), 0.5, 1.01 / picture.samples()) << middle.transpose();
+    }
+  }
+}
+
+TEST(ProgressiveRender, BlocksOfTheCamerasLightEndWhenTheyAreGoodEnough) {
+  RenderOptions options = many_lights(LightTransport::camera);
+  options.samples_per_pixel = 1024;
+  const Image whole = render(bumpy_scene(), camera_of(64), options);
+  options.noise = 0.01;
+  ProgressiveRender picture(bumpy_scene(), camera_of(64), options);
+  picture.add_samples(1024);
+  const FloatRaster counts = picture.sample_counts();
+  EXPECT_EQ(*std::min_element(counts.samples.begin(), counts.samples.end()), 16);
+  // The noise is an RMS over blocks, of the largest channel.
+  EXPECT_LT(compare_images(picture.image(), whole).rmse, 0.01);
 }
 
 TEST(ProgressiveRender, OptionsOutOfRangeAreRefused) {
