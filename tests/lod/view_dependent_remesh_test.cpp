@@ -236,6 +236,24 @@ TEST(ViewDependentRemesh, TakesTheMeanOfBothSidesOfASeam) {
   EXPECT_GT(on_seam, 5);
 }
 
+TEST(ViewDependentRemesh, LooksNoFartherAroundCornersOfSeamsThanTheirReach) {
+  // The second triangle has many texels for a unit and the first one few, so that a voxel is larger than all
+  // of the first one's part of the map. Right of that part is a ridge.
+  constexpr int k_size = 256;
+  std::vector<float> heights;
+  for (int i = 0; i < k_size * k_size; ++i) {
+    const int x = i % k_size;
+    heights.push_back(x >= 64 ? 0.5F : x >= 16 && x < 32 ? 1.0F : 0.0F);
+  }
+  PolygonSoup soup = soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  soup.corner_uvs = {{0.026, 0.05}, {0.028, 0.05}, {0.028, 0.052}, {0.7, 0.7}, {0.95, 0.95}, {0.7, 0.95}};
+  const DisplacedBase base(soup, {k_size, k_size, heights});
+  ASSERT_EQ(base.largest_reach(), 0.5) << "without the ridge";
+  const RemeshReport report =
+      remesh_for_view(base, view_from({0.5, 0.5, 3}, 60, {0.5, 0.5, 0}), {.triangle_pixels = 30}).report;
+  EXPECT_LE(report.largest_move, base.largest_reach());
+}
+
 struct HardCase {
   std::string name;
   PolygonSoup soup;
