@@ -320,6 +320,10 @@ std::vector<HardCase> hard_cases() {
   PolygonSoup huge = sphere_base(1);
   for (Vec3& p : huge.positions) p *= 1e100;
   cases.push_back({"huge", huge, level_map(), view_from({0, 2e100, 3e100}, 60)});
+  cases.push_back({"a view from within what is huge", huge, hills(), view_from({0, 2, 3}, 60)});
+  RemeshView long_upwards = view_from({0, 2, 3}, 60);
+  long_upwards.up = {0, 1e200, 0};
+  cases.push_back({"a very long upward direction", sphere_base(1), hills(), long_upwards});
   return cases;
 }
 
@@ -381,6 +385,14 @@ TEST(ViewDependentRemesh, RefusesWhatItCannotDice) {
   expect_error<InputError>([&] { DisplacedBase(broken, level_map()); }, "finite");
   expect_error<InputError>([&] { DisplacedBase(plane_base(1), level_map(std::nanf(""))); }, "finite");
   expect_error<InputError>([&] { DisplacedBase(plane_base(1), {2, 2, {0, 0, 0}}); }, "4 heights");
+  PolygonSoup huge = plane_base(1);
+  huge.positions[0].x() = 1e121;
+  expect_error<InputError>([&] { DisplacedBase(huge, level_map()); }, "positions beyond 1e+120");
+  PolygonSoup far_in_map = plane_base(1);
+  far_in_map.corner_uvs[1].y() = -1e121;
+  expect_error<InputError>([&] { DisplacedBase(far_in_map, level_map()); }, "coordinates beyond 1e+120");
+  const DisplacementMap high({1, 1, 1, 8, false, {255}}, 1e121, 0);
+  expect_error<InputError>([&] { DisplacedBase(plane_base(1), high); }, "heights beyond 1e+120");
 
   const DisplacedBase base(plane_base(1), level_map());
   const RemeshView view = view_from({0, 0, 2}, 1000);
@@ -392,6 +404,9 @@ TEST(ViewDependentRemesh, RefusesWhatItCannotDice) {
   no_direction.target = no_direction.position;
   expect_error<OptionError>(dice(no_pixels, {}), "at least one pixel");
   expect_error<OptionError>(dice(no_direction, {}), "apart");
+  RemeshView far_away = view;
+  far_away.position.x() = 1e200;
+  expect_error<OptionError>(dice(far_away, {}), "1e150 from the origin");
   expect_error<OptionError>(dice(view, {.triangle_pixels = 0}), "positive");
   expect_error<OptionError>(dice(view, {.triangle_pixels = std::nan("")}), "positive");
   expect_error<OptionError>(dice(view, {.triangle_pixels = 1e-7}), "too small");
