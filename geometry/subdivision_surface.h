@@ -85,7 +85,7 @@ struct SubdivisionResult {
   int level = 0;
   /// How far the limit surface may be from the facets (those of `triangulate`), object units: the largest
   /// distance found, over points between those of `soup` (those of the next level, or those two or three
-  /// levels on), each to the facets that meet there. No bound: facets may be up to 10 % farther off.
+  /// levels on), each to the facets that meet there. No bound: denser samples found up to 10 % more.
   double error_estimate = 0;
   std::size_t crease_edges = 0;  ///< edges of the control mesh that are sharp, without its border
   std::size_t triangulated = 0;  ///< polygons of more than three sides that were cut for `loop`

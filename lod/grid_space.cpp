@@ -81,10 +81,10 @@ ViewPoint GridSpace::view(const Vec3& point) const {
   seen.true_depth = std::max({nearest_, z, least_share_ * distance});
   const double outside = *std::max_element(seen.beyond.begin(), seen.beyond.end()) - seen.slack;
   seen.depth = seen.true_depth + k_coarser * std::max(0.0, outside);
-  seen.grid = {middle_.x() + x / (seen.depth * voxel_), middle_.y() + y / (seen.depth * voxel_),
-               steps_to(seen.depth)};
+  const std::array<double, 3> at{middle_.x() + x / (seen.depth * voxel_),
+                                 middle_.y() + y / (seen.depth * voxel_), steps_to(seen.depth)};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    seen.voxel[axis] = static_cast<std::int32_t>(rounded(seen.grid[static_cast<Eigen::Index>(axis)]));
+    seen.voxel[axis] = static_cast<std::int32_t>(rounded(at[axis]));
   return seen;
 }
 

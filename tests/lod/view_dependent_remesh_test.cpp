@@ -100,51 +100,67 @@ TEST(ViewDependentRemesh, LeavesOpenOnlyWhatIsOutOfThePicture) {
   EXPECT_GT(open, 0u);
 }
 
+/// Along the border of a diced triangle from its first corner to the second.
+std::vector<Vec3> first_side(const PolygonSoup& soup) {
+  std::map<std::pair<Index, Index>, int> counts;
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    const auto face = soup.face(f);
+    for (std::size_t k = 0; k < 3; ++k) {
+      ++counts[{face[k], face[(k + 1) % 3]}];
+      --counts[{face[(k + 1) % 3], face[k]}];
+    }
+  }
+  std::map<Index, Index> next;
+  for (const auto& [edge, n] : counts) {
+    if (n > 0) next[edge.first] = edge.second;
+  }
+  std::vector<Vec3> side;
+  for (Index v = 0; v != 1; v = next.at(v)) side.push_back(soup.positions[v]);
+  side.push_back(soup.positions[1]);
+  return side;
+}
+
 TEST(ViewDependentRemesh, TreatsNeighboursThatKnowNothingOfEachOtherAlike) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> number(-1, 1);
   const auto point = [&] { return Vec3(number(random), number(random), number(random)); };
+  int n_footprints = 0;
   for (const double pixels : {1.0, 5.0, 20.0, 45.0}) {
     for (int i = 0; i < 40; ++i) {
       const Vec3 a = point(), b = point(), tops[] = {point(), point()};
       const Vec3 normals[] = {point().normalized(), point().normalized()};
-      std::vector<std::vector<Vec3>> edges;
-      for (int side = 0; side < 2; ++side) {
-        // The second has the edge the other way round.
-        PolygonSoup soup = soup_of({side == 0 ? a : b, side == 0 ? b : a, tops[side]}, {{0, 1, 2}});
-        soup.corner_uvs = {{0.1, 0.2}, {0.8, 0.5}, {0.3, 0.9}};
-        soup.corner_normals = {normals[0], normals[1], Vec3::UnitX()};
-        if (side == 1) {
-          std::swap(soup.corner_uvs[0], soup.corner_uvs[1]);
-          std::swap(soup.corner_normals[0], soup.corner_normals[1]);
-        }
-        const DisplacedBase base(soup, noise_map(16, 16, 0, 0.2));
-        // Footprints of corners count the triangles around, so neighbours have to know of each other there.
-        const RemeshResult result =
-            remesh_for_view(base, view_from({0.5, 0.3, 3}, 500),
-                            {.triangle_pixels = pixels, .footprint = FootprintRule::none, .cull = false});
-        // The border is open: follow it from the first corner to the second.
-        std::map<Index, Index> next;
-        std::map<std::pair<Index, Index>, int> counts;
-        for (std::size_t f = 0; f < result.soup.n_faces(); ++f) {
-          const auto face = result.soup.face(f);
-          for (std::size_t k = 0; k < 3; ++k) {
-            ++counts[{face[k], face[(k + 1) % 3]}];
-            --counts[{face[(k + 1) % 3], face[k]}];
+      for (const FootprintRule rule : {FootprintRule::none, FootprintRule::by_side, FootprintRule::mean}) {
+        std::array<std::vector<Vec3>, 2> edges;
+        bool is_halved = false;
+        for (const std::size_t side : {0, 1}) {
+          // The second has the edge the other way round.
+          PolygonSoup soup = soup_of({side == 0 ? a : b, side == 0 ? b : a, tops[side]}, {{0, 1, 2}});
+          soup.corner_uvs = {{0.1, 0.2}, {0.8, 0.5}, {0.3, 0.9}};
+          soup.corner_normals = {normals[0], normals[1], Vec3::UnitX()};
+          if (side == 1) {
+            std::swap(soup.corner_uvs[0], soup.corner_uvs[1]);
+            std::swap(soup.corner_normals[0], soup.corner_normals[1]);
           }
+          const DisplacedBase base(soup, noise_map(16, 16, 0, 0.2));
+          const RemeshResult result =
+              remesh_for_view(base, view_from({0.5, 0.3, 3}, 500),
+                              {.triangle_pixels = pixels, .footprint = rule, .cull = false});
+          is_halved = is_halved || result.report.patches > 1;
+          edges[side] = first_side(result.soup);
+          if (side == 1) std::reverse(edges[side].begin(), edges[side].end());
         }
-        for (const auto& [edge, n] : counts) {
-          if (n > 0) next[edge.first] = edge.second;
+        ASSERT_EQ(edges[0].size(), edges[1].size()) << "a vertex on one side only";
+        if (rule != FootprintRule::none) {
+          // Footprints of corners count the triangles around, so neighbours have to know of each other there.
+          if (is_halved) continue;
+          for (auto& edge : edges) edge = {edge.begin() + 1, edge.end() - 1};
+          n_footprints += edges[0].empty() ? 0 : 1;
         }
-        std::vector<Vec3>& edge = edges.emplace_back();
-        for (Index v = 0; v != 1; v = next.at(v)) edge.push_back(result.soup.positions[v]);
-        edge.push_back(result.soup.positions[1]);
-        if (side == 1) std::reverse(edge.begin(), edge.end());
+        EXPECT_EQ(edges[0], edges[1]) << "bit by bit";
       }
-      ASSERT_EQ(edges[0].size(), edges[1].size()) << "a vertex on one side only";
-      EXPECT_EQ(edges[0], edges[1]) << "bit by bit";
     }
   }
+  EXPECT_GT(n_footprints, 100);
 }
 
 /// Twice the signed area on the screen.
