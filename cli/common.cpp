@@ -90,6 +90,16 @@ MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMap
 
 Vec3 to_vector(const std::array<double, 3>& point) { return {point[0], point[1], point[2]}; }
 
+Camera camera_of(const ViewOptions& view, const std::string& input, std::span<const Vec3> points, int width,
+                 int height) {
+  const auto vector = [](const std::optional<std::array<double, 3>>& point) {
+    return point ? std::optional(to_vector(*point)) : std::nullopt;
+  };
+  const Camera in_front = camera_in_front(points, up_direction(view.up, input),
+                                          view.field_of_view * std::numbers::pi / 180, width, height);
+  return place_camera(in_front, points, vector(view.eye), vector(view.look_at));
+}
+
 void require_faces(const Model& model, const std::string& input) {
   if (model.read.mesh.n_faces() > 0) return;
   std::string reason = "holds no faces";

@@ -5,6 +5,7 @@
 #include <recede/geometry/displacement_map.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/lod/simplify.h>
+#include <recede/render/camera.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -72,6 +74,9 @@ void add_up_option(CLI::App& command, std::string& up, const std::string& group)
 /// Unset: y, but z for the built-in teapot, which stands upright along it as its author made it.
 Vec3 up_direction(const std::string& up, const std::string& input);
 Vec3 to_vector(const std::array<double, 3>& point);
+/// Where it was asked to stand, or where all points are seen from in front.
+Camera camera_of(const ViewOptions& view, const std::string& input, std::span<const Vec3> points, int width,
+                 int height);
 
 /// Heights of a mesh that has none of its own.
 struct HeightMapOptions {

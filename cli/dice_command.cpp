@@ -2,12 +2,10 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
-#include <recede/render/camera.h>
 
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <numbers>
 
 namespace recede::cli {
 namespace {
@@ -67,21 +65,6 @@ Base read_base(const DiceCommandOptions& options, Progress* progress) {
   return base_of_hierarchy(options, progress);
 }
 
-/// Where it was asked to stand, or where the whole base is seen from in front.
-Camera camera_of(const DiceCommandOptions& options, const DisplacedBase& base) {
-  const ViewOptions& view = options.view;
-  Camera camera = camera_in_front(base.positions(), up_direction(view.up, options.input),
-                                  view.field_of_view * std::numbers::pi / 180, options.width, options.height);
-  if (view.eye) {
-    Box3 box;
-    for (const Vec3& position : base.positions()) box.extend(position);
-    camera.position = to_vector(*view.eye);
-    camera.target = box.center();
-  }
-  if (view.look_at) camera.target = to_vector(*view.look_at);
-  return camera;
-}
-
 Json to_json(const DiceCommandOptions& options, const Base& base, const Camera& camera,
              const RemeshResult& diced, const WriteResult& written) {
   const RemeshReport& report = diced.report;
@@ -126,7 +109,8 @@ void run(const DiceCommandOptions& options) {
   check_mesh_path(options.output);
   TerminalProgress progress(options.common.quiet);
   const Base base = read_base(options, &progress);
-  const Camera camera = camera_of(options, base.surface);
+  const Camera camera =
+      camera_of(options.view, options.input, base.surface.positions(), options.width, options.height);
   RemeshOptions dicing = options.dicing;
   dicing.cull = !options.no_cull;
   const RemeshResult diced = remesh_for_view(base.surface, remesh_view_of(camera), dicing, &progress);

@@ -26,19 +26,6 @@ struct RenderCommandOptions : DrawnOptions {
   std::optional<double> until_distance;
 };
 
-/// Where it was asked to stand, or where the whole model is seen from in front.
-Camera camera_of(const RenderCommandOptions& options, const PolygonSoup& model) {
-  const ViewOptions& view = options.view;
-  Camera camera = camera_in_front(model.positions, up_direction(view.up, options.input),
-                                  view.field_of_view * std::numbers::pi / 180, options.width, options.height);
-  if (view.eye) {
-    camera.position = to_vector(*view.eye);
-    camera.target = bounding_box(model).center();
-  }
-  if (view.look_at) camera.target = to_vector(*view.look_at);
-  return camera;
-}
-
 Json frame_to_json(const Drawn& drawn, const fs::path& file, const Camera& camera, std::size_t level) {
   const auto point = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
   return {{"file", file.string()},
@@ -59,7 +46,8 @@ void run_render(const RenderCommandOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   TerminalProgress progress(options.common.quiet);
   Drawn drawn(options, &progress);
-  const Camera camera = camera_of(options, drawn.finest());
+  const Camera camera =
+      camera_of(options.view, options.input, drawn.finest().positions, options.width, options.height);
   const std::size_t level = drawn.choose(camera, std::nullopt);
   write_image(options.output, drawn.draw(camera, level, &progress));
   progress.clear();
@@ -91,7 +79,8 @@ void run_turntable(const RenderCommandOptions& options) {
   }
   TerminalProgress progress(options.common.quiet);
   Drawn drawn(options, &progress);
-  const Camera first = camera_of(options, drawn.finest());
+  const Camera first =
+      camera_of(options.view, options.input, drawn.finest().positions, options.width, options.height);
   fs::create_directories(options.output);
   Json frames = Json::array();
   std::optional<std::size_t> level;

@@ -131,7 +131,7 @@ void add_subdivide_command(CLI::App& app) {
   level->check(CLI::Range(0, SubdivisionOptions::k_largest_level));
   command
       ->add_option("--tolerance", subdivision.tolerance,
-                   "the least level whose facets are so near the limit surface, object units")
+                   "the least level whose error estimate is no larger, object units")
       ->excludes(level);
   add_crease_options(*command, *options);
   add_common_options(*command, options->common);

@@ -11,6 +11,7 @@
 namespace recede::detail {
 namespace {
 
+constexpr double k_largest = 1e70;         // squares of areas of larger things overflow
 constexpr std::size_t k_most_edges = 500;  // of a vertex or a face; OpenSubdiv ends at 511
 
 void require_sharpness(double sharpness, const char* what) {
@@ -31,6 +32,10 @@ class ControlMeshBuilder {
     check_options();
     validate(control_, "control mesh");
     if (control_.n_faces() == 0) throw InputError("control mesh: has no faces");
+    for (const Vec3& position : control_.positions) {
+      if (position.cwiseAbs().maxCoeff() > k_largest)
+        throw InputError(fmt::format("control mesh: has positions beyond {}", k_largest));
+    }
     check_faces();
     keep_used_vertices();
     check_edges();

@@ -1,3 +1,4 @@
+#include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/displacement_map.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/exr.h>
@@ -48,9 +49,7 @@ DisplacementMap read_displacement_map(const std::filesystem::path& path,
   if (!std::isfinite(options.scale) || !std::isfinite(options.offset)) {
     throw OptionError("displacement map: scale and offset must be finite");
   }
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = detail::lower_case_extension(path);
   if (extension == ".png") return from_png(path, options);
   if (extension == ".exr") return from_exr(path, options);
   throw InputError::in_file(path.string(), "is neither a .png nor an .exr file");

@@ -85,7 +85,7 @@ struct SubdivisionResult {
   int level = 0;
   /// How far the limit surface may be from the facets (those of `triangulate`), object units: the largest
   /// distance found, over points between those of `soup` (those of the next level, or those two or three
-  /// levels on), each to the facets that meet there. No bound: facets may be up to 10 % farther off.
+  /// levels on), each to the facets that meet there. No bound: denser samples found up to 10 % more.
   double error_estimate = 0;
   std::size_t crease_edges = 0;  ///< edges of the control mesh that are sharp, without its border
   std::size_t triangulated = 0;  ///< polygons of more than three sides that were cut for `loop`
@@ -114,9 +114,9 @@ struct SubdivisionResult {
 /// Throws `InputError` for a soup that `validate` refuses or without faces, whose faces visit a vertex twice,
 /// or that isn't manifold: an edge with more than two faces or with two that disagree in orientation, or a
 /// vertex where several fans of faces touch (`remove_degenerate_faces`, `orient_consistently` and
-/// `split_non_manifold` help); and for a vertex or face with more than 500 edges. Throws `OptionError` for
-/// options out of range, creases that are no edges, more than `k_most_faces` facets, and a tolerance that
-/// would need them or more than `k_largest_level` levels; and `Cancelled`.
+/// `split_non_manifold` help); for a vertex or face with more than 500 edges; and for positions beyond 1e70.
+/// Throws `OptionError` for options out of range, creases that are no edges, more than `k_most_faces` facets,
+/// and a tolerance that would need them or more than `k_largest_level` levels; and `Cancelled`.
 SubdivisionResult subdivide(const PolygonSoup& control, const SubdivisionOptions& options = {},
                             Progress* progress = nullptr);
 

@@ -2,6 +2,7 @@
 #include <recede/lod/detail/map_surface.h>
 #include <recede/lod/displaced_base.h>
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -9,6 +10,17 @@
 
 namespace recede {
 namespace {
+
+/// Squares of areas and of longer things would overflow.
+constexpr double k_largest = 1e120;
+
+template <typename Vector>
+void require_no_larger(const std::vector<Vector>& values, const char* what) {
+  for (const Vector& value : values) {
+    if (value.cwiseAbs().maxCoeff() > k_largest)
+      throw InputError(fmt::format("the base surface has {} beyond {}", what, k_largest));
+  }
+}
 
 /// How far from 0 lookups of any level may lie.
 class Reaches {
@@ -57,10 +69,14 @@ DisplacedBase::DisplacedBase(const PolygonSoup& surface, DisplacementMap map, co
   if (surface.corner_uvs.empty()) throw InputError("the base surface has no texture coordinates");
   report_progress(progress, "base surface", 0);
   find_points(surface);
+  require_no_larger(positions_, "positions");
+  require_no_larger(surface.corner_uvs, "texture coordinates");
   map_ = std::make_unique<DisplacementMap>(std::move(map));
   levels_ = std::make_unique<DisplacementLevels>(*map_, levels, progress);
   report_progress(progress, "height bounds", 0);
   find_reaches();
+  if (largest_reach_ > k_largest)
+    throw InputError(fmt::format("the base surface has heights beyond {}", k_largest));
   report_progress(progress, "height bounds", 1);
 }
 

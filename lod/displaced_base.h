@@ -21,7 +21,8 @@ class DisplacedBase {
   /// mean where they differ, and where there are none or they cancel out, the mean of the triangles' normals
   /// by angle. Polygons stand for the triangles of `triangulate`; triangles that visit a point twice are left
   /// out. Throws `InputError` for soups that `validate` refuses, without faces or without texture
-  /// coordinates, `OptionError` as `DisplacementLevels` does, and `Cancelled`.
+  /// coordinates, for positions, heights or texture coordinates beyond 1e120, `OptionError` as
+  /// `DisplacementLevels` does, and `Cancelled`.
   DisplacedBase(const PolygonSoup& surface, DisplacementMap map, const LevelOptions& levels = {},
                 Progress* progress = nullptr);
   /// The surface and the heights of baked maps.

@@ -30,6 +30,9 @@ void check(const RemeshView& view, double voxel_pixels, double nearest) {
   const auto is_positive = [](double value) { return value > 0 && std::isfinite(value); };
   require(view.position.allFinite() && view.target.allFinite() && (view.target - view.position).norm() > 0,
           "the position and the target of a view must be finite and apart");
+  // Squares of longer things overflow.
+  require(std::max(view.position.norm(), view.target.norm()) < 1e150,
+          "the position and the target of a view must be less than 1e150 from the origin");
   require(view.up.allFinite(), "the upward direction of a view must be finite");
   require(view.field_of_view > 0 && view.field_of_view < std::numbers::pi,
           "the field of view must lie between 0 and 180 degrees");
@@ -44,10 +47,10 @@ GridSpace::GridSpace(const RemeshView& view, double voxel_pixels, double nearest
     : eye_(view.position), nearest_(nearest), reach_(reach) {
   check(view, voxel_pixels, nearest);
   forward_ = (view.target - view.position).normalized();
-  const Vec3 right = forward_.cross(view.up);
+  const Vec3 right = forward_.cross(view.up.stableNormalized());
   // Below this sine the view runs along `up`, and the image has no upright of its own.
   constexpr double k_parallel = 1e-9;
-  const bool upright = right.norm() > k_parallel * view.up.norm();
+  const bool upright = right.norm() > k_parallel;
   right_ = upright ? Vec3(right.normalized()) : Vec3(forward_.unitOrthogonal());
   down_ = forward_.cross(right_);
   const double half = std::tan(view.field_of_view / 2);
@@ -78,10 +81,10 @@ ViewPoint GridSpace::view(const Vec3& point) const {
   seen.true_depth = std::max({nearest_, z, least_share_ * distance});
   const double outside = *std::max_element(seen.beyond.begin(), seen.beyond.end()) - seen.slack;
   seen.depth = seen.true_depth + k_coarser * std::max(0.0, outside);
-  seen.grid = {middle_.x() + x / (seen.depth * voxel_), middle_.y() + y / (seen.depth * voxel_),
-               steps_to(seen.depth)};
+  const std::array<double, 3> at{middle_.x() + x / (seen.depth * voxel_),
+                                 middle_.y() + y / (seen.depth * voxel_), steps_to(seen.depth)};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    seen.voxel[axis] = static_cast<std::int32_t>(rounded(seen.grid[static_cast<Eigen::Index>(axis)]));
+    seen.voxel[axis] = static_cast<std::int32_t>(rounded(at[axis]));
   return seen;
 }
 

@@ -50,10 +50,10 @@ double PatchDicer::facing(const Vec3& position, const Vec3& unit) const {
   return distance > 0 ? unit.dot(to_eye) / distance : 0;
 }
 
-/// Side of a voxel at a point in texels of level 0, no larger than the triangles around: texels are as dense
-/// as in their mean.
+/// Side of a voxel at a point in texels of level 0, which are as dense as in the mean of the triangles
+/// around.
 double PatchDicer::texels_at(std::size_t point) const {
-  double sum = 0, longest = 0;
+  double sum = 0;
   std::size_t n = 0;
   for (const auto& [t, k] : patches_.uses_of_point(point)) {
     const ViewPatch& patch = patches_.patches[t];
@@ -61,15 +61,22 @@ double PatchDicer::texels_at(std::size_t point) const {
     const Vec3 ab = patches_.positions[patch.points[1]] - a, ac = patches_.positions[patch.points[2]] - a;
     const Vec2 uv_ab = (patch.uvs[1] - patch.uvs[0]).cwiseProduct(map_size_),
                uv_ac = (patch.uvs[2] - patch.uvs[0]).cwiseProduct(map_size_);
-    longest = std::max({longest, uv_ab.norm(), uv_ac.norm(), (uv_ac - uv_ab).norm()});
-    const double area = ab.cross(ac).norm();
+    const double area = ab.cross(ac).stableNorm();  // its square may overflow
     const double density = std::sqrt(std::abs(twice_area(uv_ab, uv_ac)) / area);
     if (!std::isfinite(density)) continue;
     sum += density;
     ++n;
   }
   if (n == 0) return 0;
-  return std::min(longest, sum / static_cast<double>(n) * space_.voxel_size(patches_.views[point].depth));
+  return sum / static_cast<double>(n) * space_.voxel_size(patches_.views[point].depth);
+}
+
+/// The longest side of a patch in the map, texels of level 0.
+double PatchDicer::longest_side(const ViewPatch& patch) const {
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    longest = std::max(longest, (patch.uvs[(k + 1) % 3] - patch.uvs[k]).cwiseProduct(map_size_).norm());
+  return longest;
 }
 
 void PatchDicer::place_corner(std::size_t point, double& largest_move) const {
@@ -77,16 +84,19 @@ void PatchDicer::place_corner(std::size_t point, double& largest_move) const {
   const Vec3 unit = unit_of(patches_.directions[point]);
   const double texels = texels_at(point), front = facing(position, unit);
   const auto uses = patches_.uses_of_point(point);
+  const auto uv_of = [&](const ViewPatches::Use& use) -> const Vec2& {
+    return patches_.patches[use.patch].uvs[use.k];
+  };
   double sum = 0, n = 0;
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    const auto uv_of = [&](const ViewPatches::Use& use) -> const Vec2& {
-      return patches_.patches[use.patch].uvs[use.k];
-    };
-    const Vec2& uv = uv_of(uses[i]);
-    if (std::any_of(uses.begin(), uses.begin() + static_cast<std::ptrdiff_t>(i),
-                    [&](const ViewPatches::Use& before) { return uv_of(before) == uv; }))
-      continue;
-    sum += heights_.at_corner(uv, texels, front);
+  for (auto use = uses.begin(); use != uses.end(); ++use) {
+    const Vec2& uv = uv_of(*use);
+    if (std::any_of(uses.begin(), use, [&](const auto& before) { return uv_of(before) == uv; })) continue;
+    // No larger than the triangles on this side of a seam, as `no_larger` has it.
+    double longest = 0;
+    for (auto same = use; same != uses.end(); ++same) {
+      if (uv_of(*same) == uv) longest = std::max(longest, longest_side(patches_.patches[same->patch]));
+    }
+    sum += heights_.at_corner(uv, std::min(texels, longest), front);
     ++n;
   }
   mesh_.positions[mesh_.corner_vertices[point]] = moved(position, unit, sum / n, largest_move);

@@ -25,21 +25,6 @@ Camera read_camera(const py::dict& from) {
   return camera;
 }
 
-/// Where it was asked to stand, or where the whole surface is seen from in front.
-Camera place_camera(Camera camera, const DisplacedBase& base, const std::optional<Vec3>& eye,
-                    const std::optional<Vec3>& look_at) {
-  if (eye) {
-    Box3 box;
-    for (const Vec3& position : base.positions()) box.extend(position);
-    camera.position = *eye;
-    camera.target = box.center();
-  } else {
-    camera = camera_in_front(base.positions(), camera.up, camera.field_of_view, camera.width, camera.height);
-  }
-  if (look_at) camera.target = *look_at;
-  return camera;
-}
-
 Diced dice(const py::object& surface, const py::object& height, const std::optional<Vec3>& eye,
            const std::optional<Vec3>& look_at, const py::dict& settings, py::object progress) {
   RemeshOptions options;
@@ -68,7 +53,10 @@ Diced dice(const py::object& surface, const py::object& height, const std::optio
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     const DisplacedBase base =
         maps ? DisplacedBase(*maps, levels, p) : DisplacedBase(*soup, std::move(*map), levels, p);
-    const Camera placed = place_camera(camera, base, eye, look_at);
+    const std::vector<Vec3>& points = base.positions();
+    const Camera in_front =
+        camera_in_front(points, camera.up, camera.field_of_view, camera.width, camera.height);
+    const Camera placed = place_camera(in_front, points, eye, look_at);
     RemeshResult result = remesh_for_view(base, remesh_view_of(placed), options, p);
     return Diced{make_mesh(std::move(result.soup)), result.report};
   });

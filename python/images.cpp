@@ -193,12 +193,9 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
   read(from, "subdivision_level", displacement.level);
   const Drawn drawn = read_drawn(surface, from);
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
-    Camera camera = camera_in_front(drawn.base().positions, up, field_of_view, width, height);
-    if (eye) {
-      camera.position = *eye;
-      camera.target = bounding_box(drawn.base()).center();
-    }
-    if (look_at) camera.target = *look_at;
+    const std::vector<Vec3>& points = drawn.base().positions;
+    const Camera in_front = camera_in_front(points, up, field_of_view, width, height);
+    const Camera camera = place_camera(in_front, points, eye, look_at);
     return render(drawn.scene(displacement, shading), camera, options, p);
   });
   return to_array(image);

@@ -71,6 +71,18 @@ Vec3 view_from_front(const Vec3& up) {
   return (0.62 * y.cross(front) + 0.5 * y + front).normalized();
 }
 
+Camera place_camera(Camera camera, std::span<const Vec3> points, const std::optional<Vec3>& position,
+                    const std::optional<Vec3>& target) {
+  if (position) {
+    Box3 box;
+    for (const Vec3& point : points) box.extend(point);
+    camera.position = *position;
+    camera.target = box.center();
+  }
+  if (target) camera.target = *target;
+  return camera;
+}
+
 RemeshView remesh_view_of(const Camera& camera) {
   return {.position = camera.position,
           .target = camera.target,

@@ -5,6 +5,7 @@
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/view_dependent_remesh.h>
 
+#include <optional>
 #include <span>
 
 namespace recede {
@@ -55,6 +56,11 @@ Vec3 view_from_front(const Vec3& up);
 /// points. Throws `InputError` when there are none.
 Camera camera_in_front(std::span<const Vec3> points, const Vec3& up, double field_of_view, int width,
                        int height);
+
+/// The camera, moved to `position` and turned to `target` where they are given. Moved without a target it
+/// looks at the middle of the points' box.
+Camera place_camera(Camera camera, std::span<const Vec3> points, const std::optional<Vec3>& position,
+                    const std::optional<Vec3>& target);
 
 /// The same view for dicing.
 RemeshView remesh_view_of(const Camera& camera);

@@ -22,9 +22,8 @@ struct ViewPoint {
   /// The depth by which voxels are made: the same where heights may bring the point into the picture, and
   /// growing fast beyond, so that voxels do.
   double depth = 0;
-  double slack = 0;   ///< how far beyond the pyramid of view it counts as inside, object units
-  Vec3 grid;          ///< in voxels
-  GridPoint voxel{};  ///< the same in whole numbers
+  double slack = 0;  ///< how far beyond the pyramid of view it counts as inside, object units
+  GridPoint voxel{};
   static constexpr std::size_t k_sides = 5;
   /// How far it lies beyond the left, right, upper and lower side of the pyramid of view, and behind the eye,
   /// object units; negative: inside.
@@ -40,9 +39,8 @@ class GridSpace {
   const Vec3& eye() const { return eye_; }
   /// Side of a voxel at a depth, object units.
   double voxel_size(double depth) const { return depth * voxel_; }
-  /// Steps from depth 1 to a depth (equation 4), and back. The near plane of the source only shifts them.
+  /// Steps from depth 1 to a depth (equation 4). The near plane of the source only shifts them.
   double steps_to(double depth) const { return std::log(depth) / log_step_; }
-  double depth_of(double steps) const { return std::exp(steps * log_step_); }
 
   ViewPoint view(const Vec3& point) const;
 

@@ -59,6 +59,7 @@ class PatchDicer {
   Vec3 moved(const Vec3& position, const Vec3& unit, double height, double& largest_move) const;
   double facing(const Vec3& position, const Vec3& unit) const;
   double texels_at(std::size_t point) const;
+  double longest_side(const ViewPatch& patch) const;
   void load_border(const ViewPatch& patch, Workspace& work) const;
   void place_inside(const ViewPatch& patch, const PatchPlace& place, Workspace& work) const;
   void write_triangles(const PatchPlace& place, Workspace& work) const;

@@ -407,8 +407,8 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
     """The limit surface of a control mesh: points on it, their normals, and the facets between them.
 
     `scheme` is "catmull-clark" or "loop" (triangles; other polygons are cut first). `level` (2 when neither is given) is
-    the number of refinements, 0 to 10; `tolerance` takes the least one whose facets are so near the limit surface, object
-    units. `creases` are edges (vertex, vertex, sharpness), `corners` vertices (vertex, sharpness); from 10 on they are
+    the number of refinements, 0 to 10; `tolerance` takes the least one whose `error_estimate` is no larger, object units.
+    `creases` are edges (vertex, vertex, sharpness), `corners` vertices (vertex, sharpness); from 10 on they are
     sharp for ever. Edges whose faces meet at more than `crease_angle` (degrees) get `crease_sharpness`, the mesh's feature
     edges `feature_sharpness`. `border` is "edge-only" or "edge-and-corner"; for `uv_interpolation` and `creasing` see
     docs/subdivision.md. The result has `mesh`, `level` and `error_estimate`.

@@ -397,6 +397,9 @@ TEST(Subdivision, ControlMeshesThatAreNoneAreNamed) {
   }
   disk.add_face(many);
   EXPECT_THAT(complaint_about(disk), HasSubstr("more than 500 sides"));
+  PolygonSoup huge = control_cube();
+  for (Vec3& position : huge.positions) position *= 1e71;
+  EXPECT_THAT(complaint_about(huge), HasSubstr("positions beyond 1e+70"));
   // Faces without area carry connectivity, and are welcome.
   PolygonSoup flat = control_cube();
   flat.positions[7] = flat.positions[5];

@@ -91,5 +91,19 @@ TEST(Camera, LooksFromInFront) {
   EXPECT_NEAR(view_from_front({0, 3, 0}).norm(), 1, 1e-15);
 }
 
+TEST(Camera, StandsWhereItIsPutAndLooksAtTheMiddleOrAtItsTarget) {
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 1, 1}, {4, 2, 0}};
+  const Camera before{.position = {9, 9, 9}, .target = {8, 8, 8}, .width = 7};
+  const Vec3 eye(5, 6, 7), target(1, 0, 1);
+  EXPECT_EQ(place_camera(before, points, eye, std::nullopt).position, eye);
+  EXPECT_EQ(place_camera(before, points, eye, std::nullopt).target, Vec3(2, 1, 0.5));
+  EXPECT_EQ(place_camera(before, points, eye, target).target, target);
+  const Camera turned = place_camera(before, points, std::nullopt, target);
+  EXPECT_EQ(turned.position, before.position);
+  EXPECT_EQ(turned.target, target);
+  EXPECT_EQ(turned.width, 7);
+  EXPECT_EQ(place_camera(before, points, std::nullopt, std::nullopt).target, before.target);
+}
+
 }  // namespace
 }  // namespace recede
