@@ -16,12 +16,19 @@ Vec3 CameraFrame::direction(double x, double y) const {
   return along.normalized();
 }
 
+namespace {
+
+void check_size(int width, int height) {
+  if (width < 1 || height < 1) throw OptionError("a camera's image needs at least one pixel a side");
+}
+
+}  // namespace
+
 CameraFrame frame_of(const Camera& camera) {
   if (!(camera.field_of_view > 0) || !(camera.field_of_view < std::numbers::pi)) {
     throw OptionError("a camera's field of view lies between 0 and pi radians");
   }
-  if (camera.width < 1 || camera.height < 1)
-    throw OptionError("a camera's image needs at least one pixel a side");
+  check_size(camera.width, camera.height);
   const Vec3 view = camera.target - camera.position;
   const double distance = view.norm();
   if (!(distance > 0) || !std::isfinite(distance)) {
@@ -171,6 +178,7 @@ Camera frame_points(std::span<const Vec3> points, const Vec3& direction, const V
 Camera camera_in_front(std::span<const Vec3> points, const Vec3& up, double field_of_view, int width,
                        int height) {
   constexpr double k_margin = 0.05;
+  check_size(width, height);
   const int side = std::min(width, height);
   const double of_side = 2 * std::atan(std::tan(field_of_view / 2) * side / height);
   Camera camera = frame_points(points, view_from_front(up), up, of_side, side, k_margin);
