@@ -1,4 +1,4 @@
-#include "common.h"
+#include "drawn_levels.h"
 #include <recede/geometry/error.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/render/report.h>
@@ -21,7 +21,7 @@ struct BakeOptions {
   double field_of_view = 45;  // degrees
   double feature_angle = 0;
   std::string up;
-  bool no_report = false;
+  bool no_report = false, appearance = false;
   std::vector<std::string> maps;  // names
   std::string map_format = "png";
   std::optional<double> map_seam_weight;
@@ -66,6 +66,30 @@ Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, s
           {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
           {"stop_reason", level.stop_reason},
           {"maps", maps_to_json(level, files.map_files[i])}};
+}
+
+/// What levels with heights have beside their maps.
+using Appearances = std::vector<std::shared_ptr<const Appearance>>;
+
+Appearances write_appearances(const LodHierarchy& hierarchy, const std::filesystem::path& folder,
+                              Progress* progress) {
+  Appearances appearances(hierarchy.levels.size());
+  for (std::size_t i = 0; i < appearances.size(); ++i) {
+    const auto& maps = hierarchy.levels[i].maps;
+    if (!maps) continue;
+    appearances[i] = make_appearance(*maps, {}, progress);
+    write_appearance(appearance_file(folder, i), *appearances[i]);
+  }
+  return appearances;
+}
+
+Json appearance_to_json(const Appearance* appearance, const std::filesystem::path& file) {
+  if (appearance == nullptr) return nullptr;
+  const MapStretch& stretch = appearance->stretch();
+  return {{"file", file.string()},
+          {"sides", {stretch.sides.x(), stretch.sides.y()}},
+          {"stretch_spread", {stretch.spread.x(), stretch.spread.y()}},
+          {"wavelength", appearance->wavelength()}};
 }
 
 void print_maps(const LodHierarchy& hierarchy) {
@@ -125,6 +149,8 @@ void run(BakeOptions options) {
   HierarchyOptions& hierarchy_options = options.hierarchy;
   hierarchy_options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
   hierarchy_options.maps = map_options(options);
+  if (options.appearance && !(hierarchy_options.maps && hierarchy_options.maps->displacement))
+    throw OptionError("--appearance is that of heights; it needs --maps displacement");
   Model model = read_model(options.input, &progress);
   require_faces(model, options.input);
   mark_features(model.read.mesh, options.feature_angle);
@@ -136,6 +162,8 @@ void run(BakeOptions options) {
   }
   const LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
   const HierarchyFiles files = write_hierarchy(options.output, hierarchy);
+  Appearances appearances(hierarchy.levels.size());
+  if (options.appearance) appearances = write_appearances(hierarchy, files.folder, &progress);
   std::optional<ReportFiles> report;
   if (!options.no_report) {
     report = write_report(options.output, hierarchy, files, {.up = up_direction(options.up, options.input)},
@@ -150,8 +178,10 @@ void run(BakeOptions options) {
   }
   if (!options.common.json) return print_text(hierarchy, files, report, diagonal, seconds);
   Json levels = Json::array();
-  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i)
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     levels.push_back(level_to_json(hierarchy, files, i, diagonal));
+    levels.back()["appearance"] = appearance_to_json(appearances[i].get(), appearance_file(files.folder, i));
+  }
   print_json({{"command", "bake"},
               {"input", options.input},
               {"hierarchy", files.glb.string()},
@@ -214,6 +244,10 @@ void add_bake_command(CLI::App& app) {
       ->add_option("--map-normal-bits", options->map_normal_bits,
                    "bits of a sample of normal maps: 8 (default) or 16")
       ->check(CLI::IsMember({8, 16}))
+      ->group(maps);
+  command
+      ->add_flag("--appearance", options->appearance,
+                 "also writes how heights look from afar, for recede render --appearance")
       ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");

@@ -76,6 +76,12 @@ void add_height_map_options(CLI::App& command, HeightMapOptions& options, const 
   command.add_flag("--periodic-map", options.periodic, "the map repeats beyond its border")->group(group);
 }
 
+DisplacementMap read_heights(const HeightMapOptions& options) {
+  DisplacementMapOptions heights = options.heights;
+  heights.border = options.periodic ? MapBorder::periodic : MapBorder::clamped;
+  return read_displacement_map(options.file, heights);
+}
+
 MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMapOptions& options,
                                        Progress* progress) {
   PolygonSoup soup = read_unrepaired(input, progress);
@@ -83,9 +89,7 @@ MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMap
   if (soup.corner_uvs.empty()) {
     throw InputError::in_file(input, "has no texture coordinates; `recede atlas` makes some");
   }
-  DisplacementMapOptions heights = options.heights;
-  heights.border = options.periodic ? MapBorder::periodic : MapBorder::clamped;
-  return {std::move(soup), read_displacement_map(options.file, heights)};
+  return {std::move(soup), read_heights(options)};
 }
 
 Vec3 to_vector(const std::array<double, 3>& point) { return {point[0], point[1], point[2]}; }

@@ -91,6 +91,7 @@ struct MeshWithHeights {
   PolygonSoup base;
   DisplacementMap map;
 };
+DisplacementMap read_heights(const HeightMapOptions& options);
 MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMapOptions& options,
                                        Progress* progress);
 

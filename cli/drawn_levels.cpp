@@ -56,38 +56,78 @@ std::string_view name_of(Displacement method) {
   return "none";
 }
 
+fs::path appearance_file(const fs::path& folder, std::size_t level) {
+  return folder / fmt::format("level_{}.appearance", level);
+}
+
 Drawn::Drawn(const DrawnOptions& options, Progress* progress) : options_(options) {
-  if (fs::is_directory(options.input)) {
-    if (!options.heights.file.empty())
-      throw OptionError("--displacement-map is for meshes; a hierarchy has its own");
-    hierarchy_ = read_hierarchy(options.input);
-  } else if (options.heights.file.empty()) {
-    Model model = read_model(options.input, progress);
-    require_faces(model, options.input);
-    hierarchy_.levels.emplace_back().mesh = std::move(model.read.mesh);
-  } else {
-    displaced_.emplace(read_mesh_with_heights(options.input, options.heights, progress));
-    hierarchy_.levels.emplace_back();
-  }
+  read_input(progress);
   scenes_.resize(hierarchy_.levels.size());
-  if (options.level && *options.level >= scenes_.size()) {
-    throw OptionError(fmt::format("there is no level {}, only {}", *options.level, scenes_.size()));
-  }
-  if (scenes_.size() == 1 &&
-      (options.false_color == FalseColor::level || options.false_color == FalseColor::error)) {
-    throw OptionError(options.input + " has one level, and nothing to show by false colours");
-  }
-  if (options.false_color == FalseColor::samples && options.lighting.noise == 0)
-    throw OptionError("without --noise all pixels have the same number of samples");
+  appearances_.resize(hierarchy_.levels.size());
+  check_options();
   rendering_.samples_per_pixel = options.samples;
   if (options.wireframe) rendering_.wireframe = Wireframe{};
   set_lighting(options.lighting, up_direction(options.view.up, options.input), rendering_);
-  finest_ = displaced_ ? displaced_->base : to_soup(hierarchy_.levels[0].mesh);
+  if (options.appearance) {
+    rendering_.representation = *options.appearance;
+    rendering_.show_methods = options.false_color == FalseColor::method;
+    if (options.transition_distance) rendering_.transition = transition_around(*options.transition_distance);
+  }
+  finest_ = mesh_ ? *mesh_ : to_soup(hierarchy_.levels[0].mesh);
   if (scenes_.size() > 1) surface_.emplace(finest_.positions, triangulate(finest_));
 }
 
+void Drawn::read_input(Progress* progress) {
+  const std::string& input = options_.input;
+  const bool has_map = !options_.heights.file.empty();
+  if (fs::is_directory(input)) {
+    hierarchy_ = read_hierarchy(input);
+    if (!has_map) return;
+    for (const LodLevel& level : hierarchy_.levels) {
+      if (level.maps)
+        throw OptionError("--displacement-map is for meshes and for hierarchies without maps of their own");
+      if (to_soup(level.mesh).corner_uvs.empty())
+        throw InputError::in_file(input, "has no texture coordinates for the displacement map");
+    }
+    heights_ = cli::read_heights(options_.heights);
+  } else if (has_map) {
+    MeshWithHeights read = read_mesh_with_heights(input, options_.heights, progress);
+    mesh_ = std::move(read.base);
+    heights_ = std::move(read.map);
+    hierarchy_.levels.emplace_back();
+  } else {
+    Model model = read_model(input, progress);
+    require_faces(model, input);
+    hierarchy_.levels.emplace_back().mesh = std::move(model.read.mesh);
+  }
+}
+
+void Drawn::check_options() const {
+  if (options_.level && *options_.level >= scenes_.size()) {
+    throw OptionError(fmt::format("there is no level {}, only {}", *options_.level, scenes_.size()));
+  }
+  if (scenes_.size() == 1 &&
+      (options_.false_color == FalseColor::level || options_.false_color == FalseColor::error)) {
+    throw OptionError(options_.input + " has one level, and nothing to show by false colours");
+  }
+  if (options_.false_color == FalseColor::samples && options_.lighting.noise == 0)
+    throw OptionError("without --noise all pixels have the same number of samples");
+  if (!options_.appearance) {
+    if (options_.transition_distance) throw OptionError("--transition-distance needs --appearance");
+    return;
+  }
+  if (options_.displacement != Displacement::traced || options_.no_maps)
+    throw OptionError("--appearance chooses how heights are drawn; it goes with --displacement traced only");
+  if (options_.false_color == FalseColor::error)
+    throw OptionError("errors are found at vertices, and --appearance draws heights without any");
+  for (std::size_t level = 0; level < scenes_.size(); ++level) {
+    if (has_heights(level)) return;
+  }
+  throw OptionError(options_.input + " has no heights, and one appearance only");
+}
+
 std::size_t Drawn::n_faces(std::size_t level) const {
-  return displaced_ ? displaced_->base.n_faces() : hierarchy_.levels[level].mesh.n_faces();
+  return mesh_ ? mesh_->n_faces() : hierarchy_.levels[level].mesh.n_faces();
 }
 
 std::size_t Drawn::choose(const Camera& camera, std::optional<std::size_t> before) const {
@@ -107,17 +147,20 @@ std::size_t Drawn::choose(const Camera& camera, std::optional<std::size_t> befor
 Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
   // A diced surface is another one for every camera; the others are only looked up.
   if (method_of(level) == Displacement::diced) scenes_[level] = make_diced(camera, level, progress);
-  const Scene& scene = scene_of(level);
+  const Scene& scene = scene_of(level, progress);
   if (options_.false_color != FalseColor::samples) return render(scene, camera, rendering_, progress);
   ProgressiveRender picture(scene, camera, rendering_);
   picture.add_samples(options_.samples, progress);
   return heat_map(picture.sample_counts(), options_.samples);
 }
 
-Displacement Drawn::method_of(std::size_t level) const {
+bool Drawn::has_heights(std::size_t level) const {
   const std::optional<BakedMaps>& maps = hierarchy_.levels[level].maps;
-  const bool has_heights = displaced_ || (maps && !maps->displacement.samples.empty());
-  if (options_.no_maps || !has_heights) return Displacement::none;
+  return heights_ || (maps && !maps->displacement.samples.empty());
+}
+
+Displacement Drawn::method_of(std::size_t level) const {
+  if (options_.no_maps || !has_heights(level)) return Displacement::none;
   // Distances from the input are found at vertices, which a traced surface doesn't have.
   if (options_.false_color == FalseColor::error && options_.displacement == Displacement::traced)
     return Displacement::tessellated;
@@ -131,44 +174,62 @@ SceneOptions Drawn::shading() const {
   return shading;
 }
 
-const Scene& Drawn::scene_of(std::size_t level) {
-  if (!scenes_[level]) scenes_[level] = make_scene(level);
+const Scene& Drawn::scene_of(std::size_t level, Progress* progress) {
+  if (!scenes_[level]) scenes_[level] = make_scene(level, progress);
   return *scenes_[level];
 }
 
-Scene Drawn::make_scene(std::size_t level) const {
+/// What the heights of the map stand on.
+PolygonSoup Drawn::base_of_map(std::size_t level) const {
+  return mesh_ ? *mesh_ : to_soup(hierarchy_.levels[level].mesh);
+}
+
+/// As it was baked, or made now. A map over all levels has one.
+std::shared_ptr<const Appearance> Drawn::appearance_of(std::size_t level, Progress* progress) {
+  std::shared_ptr<const Appearance>& appearance = appearances_[heights_ ? 0 : level];
+  if (appearance) return appearance;
+  if (heights_) return appearance = make_appearance(base_of_map(0), *heights_, {}, progress);
+  const fs::path file = appearance_file(options_.input, level);
+  return appearance = fs::exists(file) ? read_appearance(file)
+                                       : make_appearance(*hierarchy_.levels[level].maps, {}, progress);
+}
+
+Scene Drawn::make_scene(std::size_t level, Progress* progress) {
   DisplacedMeshOptions displacement;
   displacement.level = options_.subdivision_level;
   const LodLevel& drawn = hierarchy_.levels[level];
   const Displacement method = method_of(level);
-  if (method == Displacement::traced && displaced_) {
-    PolygonSoup base = displaced_->base;
+  SceneOptions shading = this->shading();
+  if (method == Displacement::traced && options_.appearance)
+    shading.appearance = appearance_of(level, progress);
+  if (method == Displacement::traced && heights_) {
+    PolygonSoup base = base_of_map(level);
     paint(base, level);
-    return Scene(base, displaced_->map, displacement, shading());
+    return Scene(base, *heights_, displacement, shading);
   }
   if (method == Displacement::traced) {
     BakedMaps maps = *drawn.maps;
     paint(maps.surface, level);
-    return Scene(maps, displacement, shading());
+    return Scene(maps, displacement, shading);
   }
   PolygonSoup soup;
   const bool is_displaced = method == Displacement::tessellated;
-  if (displaced_) {
-    soup = is_displaced ? DisplacedMesh(displaced_->base, displaced_->map, displacement).tessellate()
-                        : displaced_->base;
+  if (heights_) {
+    soup = base_of_map(level);
+    if (is_displaced) soup = DisplacedMesh(soup, *heights_, displacement).tessellate();
   } else {
     // Without heights there may still be a normal map.
     soup = drawn.maps && !options_.no_maps ? dice_surface(*drawn.maps, {.displace = is_displaced})
                                            : to_soup(drawn.mesh);
   }
   paint(soup, level);
-  return Scene(soup, shading());
+  return Scene(soup, shading);
 }
 
 Scene Drawn::make_diced(const Camera& camera, std::size_t level, Progress* progress) {
   bases_.resize(hierarchy_.levels.size());
   std::optional<DisplacedBase>& base = bases_[level];
-  if (!base && displaced_) base.emplace(displaced_->base, displaced_->map, LevelOptions{}, progress);
+  if (!base && heights_) base.emplace(base_of_map(level), *heights_, LevelOptions{}, progress);
   if (!base) base.emplace(*hierarchy_.levels[level].maps, LevelOptions{}, progress);
   RemeshOptions dicing;
   // Light also comes from what isn't in the picture.

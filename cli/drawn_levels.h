@@ -6,8 +6,11 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/lod/displaced_base.h>
 #include <recede/lod/lod_hierarchy.h>
+#include <recede/render/appearance.h>
 #include <recede/render/progressive_render.h>
 
+#include <filesystem>
+#include <memory>
 #include <optional>
 
 namespace recede::cli {
@@ -31,6 +34,8 @@ struct DrawnOptions {
   Displacement displacement = Displacement::traced;
   HeightMapOptions heights;
   std::optional<int> subdivision_level;
+  std::optional<Representation> appearance;
+  std::optional<double> transition_distance;
   LightingOptions lighting;
   FalseColor false_color = FalseColor::none;
 };
@@ -53,8 +58,13 @@ class Drawn {
 
  private:
   SceneOptions shading() const;
-  const Scene& scene_of(std::size_t level);
-  Scene make_scene(std::size_t level) const;
+  const Scene& scene_of(std::size_t level, Progress* progress);
+  void read_input(Progress* progress);
+  void check_options() const;
+  bool has_heights(std::size_t level) const;
+  PolygonSoup base_of_map(std::size_t level) const;
+  std::shared_ptr<const Appearance> appearance_of(std::size_t level, Progress* progress);
+  Scene make_scene(std::size_t level, Progress* progress);
   Scene make_diced(const Camera& camera, std::size_t level, Progress* progress);
   void paint(PolygonSoup& soup, std::size_t level) const;
   double level_share(std::size_t level) const;
@@ -65,11 +75,16 @@ class Drawn {
   PolygonSoup finest_;
   std::optional<ClosestPointTree> surface_;
   std::vector<std::optional<Scene>> scenes_;
-  std::optional<MeshWithHeights> displaced_;         // instead of levels
+  std::optional<PolygonSoup> mesh_;                  // with heights, instead of levels
+  std::optional<DisplacementMap> heights_;           // over it, or over all levels
   std::vector<std::optional<DisplacedBase>> bases_;  // of levels that were diced
+  std::vector<std::shared_ptr<const Appearance>> appearances_;
   RenderOptions rendering_;
 };
 
 std::string_view name_of(Displacement method);
+
+/// Where `recede bake --appearance` writes that of a level.
+std::filesystem::path appearance_file(const std::filesystem::path& folder, std::size_t level);
 
 }  // namespace recede::cli

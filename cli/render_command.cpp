@@ -176,10 +176,28 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
   add_height_map_options(command, options.heights, drawing);
   command
       .add_option(
+          "--appearance", options.appearance,
+          "draws heights by what a view needs: auto chooses for each ray among displacement, a bump map "
+          "and a table (brdf) that agree with each other; or one of these for all")
+      ->transform(one_of<Representation>({{"auto", Representation::automatic},
+                                          {"brdf", Representation::brdf},
+                                          {"bump", Representation::bump},
+                                          {"displacement", Representation::displacement}}))
+      ->option_text("auto|brdf|bump|displacement")
+      ->group(drawing);
+  command
+      .add_option("--transition-distance", options.transition_distance,
+                  "from the camera, around which auto changes methods, object units (where a wave of heights "
+                  "covers two pixels)")
+      ->check(CLI::NonNegativeNumber)
+      ->group(drawing);
+  command
+      .add_option(
           "--false-color", options.false_color,
           "level: dark is the finest; error: distances of vertices from the input, dark is none, light "
           "the coarsest level's bound; method: green is traced, yellow diced, blue tessellated, grey without "
-          "heights; samples: how many each pixel got of --samples")
+          "heights, and with --appearance green displacement, blue the bump map, red the table; samples: how "
+          "many each pixel got of --samples")
       ->transform(one_of<FalseColor>({{"level", FalseColor::level},
                                       {"error", FalseColor::error},
                                       {"method", FalseColor::method},

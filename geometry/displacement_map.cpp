@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace recede {
@@ -93,6 +94,35 @@ Vec2 DisplacementMap::derivative_at(const Vec2& uv) const {
   const double right = between(c.upper_right - c.upper_left, c.lower_right - c.lower_left, c.y.fraction);
   const double down = between(c.lower_left - c.upper_left, c.lower_right - c.upper_right, c.x.fraction);
   return {scale_ / most_ * right * columns_, -scale_ / most_ * down * rows_};
+}
+
+Vec2 DisplacementMap::smooth_derivative_at(const Vec2& uv) const {
+  const CellPlace x = column_place(uv.x()), y = row_place(uv.y());
+  // The four columns and rows around the cell, which lies between the second and the third.
+  const auto around = [&](int cell, int count) {
+    std::array<int, 4> numbers{};
+    for (int k = 0; k < 4; ++k) {
+      const int at = cell - 2 + k;
+      const bool is_periodic = border_ == MapBorder::periodic;
+      numbers[static_cast<std::size_t>(k)] =
+          is_periodic ? ((at % count) + count) % count : std::clamp(at, 0, count - 1);
+    }
+    return numbers;
+  };
+  const std::array<int, 4> columns = around(x.cell, columns_), rows = around(y.cell, rows_);
+  double samples[4][4];
+  for (std::size_t j = 0; j < 4; ++j) {
+    for (std::size_t i = 0; i < 4; ++i) samples[j][i] = sample(columns[i], rows[j]);
+  }
+  const auto right = [&](int j) {
+    return between(samples[j][2] - samples[j][0], samples[j][3] - samples[j][1], x.fraction);
+  };
+  const auto down = [&](int i) {
+    return between(samples[2][i] - samples[0][i], samples[3][i] - samples[1][i], y.fraction);
+  };
+  const double step = scale_ / most_ / 2;
+  return {step * between(right(1), right(2), y.fraction) * columns_,
+          -step * between(down(1), down(2), x.fraction) * rows_};
 }
 
 }  // namespace recede

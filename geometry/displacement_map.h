@@ -46,6 +46,9 @@ class DisplacementMap {
   /// Its derivatives for a step of 1 in u and in v. They jump between cells; on the line between two, those
   /// of the one of larger number hold. 0 across a clamped border.
   Vec2 derivative_at(const Vec2& uv) const;
+  /// The same without jumps, for shading that doesn't show texels: central differences of texels, bilinear
+  /// between their middles.
+  Vec2 smooth_derivative_at(const Vec2& uv) const;
   /// Height of a texel, 0 <= x < columns, 0 <= y < rows.
   double texel(int x, int y) const { return height_of(sample(x, y)); }
 

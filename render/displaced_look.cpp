@@ -8,35 +8,6 @@
 namespace recede::detail {
 namespace {
 
-/// Height, object units, and its slopes for a step of one texel along columns and rows: those of central
-/// differences at texels, bilinear between them.
-struct SmoothHeight {
-  double height = 0;
-  Vec2 slope = Vec2::Zero();
-};
-
-SmoothHeight smooth_height(const DisplacementMap& map, const Vec2& uv) {
-  const DisplacementMap::CellPlace x = map.column_place(uv.x()), y = map.row_place(uv.y());
-  // A cell lies between the texels cell - 1 and cell. A border's texels repeat; a period goes around.
-  const auto texel = [&](int column, int row) {
-    const auto inside = [&](int k, int count) {
-      if (map.border() == MapBorder::periodic) return ((k % count) + count) % count;
-      return std::clamp(k, 0, count - 1);
-    };
-    return map.texel(inside(column, map.columns()), inside(row, map.rows()));
-  };
-  SmoothHeight result{map.height_at(uv)};
-  for (int corner = 0; corner < 4; ++corner) {
-    const int column = x.cell - 1 + (corner & 1), row = y.cell - 1 + (corner >> 1);
-    const double weight = ((corner & 1) != 0 ? x.fraction : 1 - x.fraction) *
-                          ((corner >> 1) != 0 ? y.fraction : 1 - y.fraction);
-    result.slope += weight / 2 *
-                    Vec2(texel(column + 1, row) - texel(column - 1, row),
-                         texel(column, row + 1) - texel(column, row - 1));
-  }
-  return result;
-}
-
 using BasePlace = DisplacedMesh::Data::BasePlace;
 
 BasePlace place_of(const DisplacedLook& look, const Hit& hit) {
@@ -72,15 +43,18 @@ Vec3 normal_of_heights(const DisplacedLook& look, const Hit& hit, const BasePlac
   if (!(length > 1e-6)) return facet_normal(hit);
   const Vec3 unit = direction / length;
   const double scale = look.surface.frame.scale;
-  const SmoothHeight smooth = smooth_height(look.surface.map, at.uv);
+  const DisplacementMap& map = look.surface.map;
+  const double height = map.height_at(at.uv);
+  // For a step of one texel along columns and rows, which run down.
+  const Vec2 slope = map.smooth_derivative_at(at.uv).cwiseQuotient(Vec2(map.columns(), -map.rows()));
   const auto along = [&](std::size_t k) {
     const Vec3 turn = directions[k] - directions[0];
     const auto step = [&](const float* texels) {
       return static_cast<double>(texels[corners[k]]) - static_cast<double>(texels[corners[0]]);
     };
-    const double rise = smooth.slope.dot(Vec2(step(patch.x), step(patch.y)));
+    const double rise = slope.dot(Vec2(step(patch.x), step(patch.y)));
     return Vec3(positions[k] - positions[0] +
-                scale * (rise * unit + smooth.height / length * (turn - unit.dot(turn) * unit)));
+                scale * (rise * unit + height / length * (turn - unit.dot(turn) * unit)));
   };
   const Vec3 normal = along(1).cross(along(2)).stableNormalized();
   return normal.squaredNorm() > 0.5 ? normal : facet_normal(hit);
@@ -96,6 +70,7 @@ DisplacedLook::DisplacedLook(const BakedMaps& baked, const DisplacedMeshOptions&
 }
 
 Hit hit_of_base(const DisplacedLook& look, const Hit& hit) {
+  if (is_on_base(hit)) return hit;
   const BasePlace place = place_of(look, hit);
   Hit result = hit;
   result.part.primitive = place.triangle;

@@ -41,8 +41,8 @@ double end_of_copy(double copy, double start, double step) {
 
 }  // namespace
 
-DisplacedPlane::DisplacedPlane(const DisplacementMap& map, const Vec2& sides)
-    : field_(checked(map, sides)), sides_(sides) {
+DisplacedPlane::DisplacedPlane(const DisplacementMap& map, const Vec2& sides, PlaneNormals normals)
+    : field_(checked(map, sides)), sides_(sides), normals_(normals) {
   heights_ = field_.bounds().node(field_.bounds().levels() - 1, 0, 0);
 }
 
@@ -59,6 +59,7 @@ std::optional<DisplacedPlane::Hit> DisplacedPlane::first_hit(const Vec3& origin,
   copy = Vec3(std::floor(copy.x()), std::floor(copy.y()), 0);
   for (int visited = 0; visited < k_most_copies; ++visited) {
     if (const auto hit = field_.first_hit(start - copy, step)) {
+      if (normals_ == PlaneNormals::smooth) return Hit{hit->t, hit->uv, normal_at(hit->uv)};
       // Slopes along x and y are those along u and v over the sides.
       return Hit{hit->t, hit->uv, hit->normal.cwiseQuotient(lengths).normalized()};
     }
@@ -72,7 +73,9 @@ std::optional<DisplacedPlane::Hit> DisplacedPlane::first_hit(const Vec3& origin,
 }
 
 Vec3 DisplacedPlane::normal_at(const Vec2& uv) const {
-  const Vec2 slope = map().derivative_at(uv).cwiseQuotient(sides_);
+  const Vec2 step =
+      normals_ == PlaneNormals::smooth ? map().smooth_derivative_at(uv) : map().derivative_at(uv);
+  const Vec2 slope = step.cwiseQuotient(sides_);
   return Vec3(-slope.x(), -slope.y(), 1).normalized();
 }
 

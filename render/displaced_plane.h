@@ -7,6 +7,12 @@
 
 namespace recede {
 
+/// The normals with which a displaced plane is shaded.
+enum class PlaneNormals {
+  facets,  ///< of the bilinear patches between texels; they jump from one to the next
+  smooth   ///< by `DisplacementMap::smooth_derivative_at`
+};
+
 /// The surface (x, y, height) over the whole plane: a map lies side by side with itself. x grows with u, y
 /// with v. Nothing is tessellated (see `HeightField`). Queries may run in parallel. Keeps a reference to the
 /// map, which must stay in place.
@@ -16,8 +22,8 @@ class DisplacedPlane {
   /// slopes are. To make the heights s times as high, divide the sides by s: the shape is the same. Throws
   /// `InputError` unless the map is periodic (others jump where copies meet) and `OptionError` unless both
   /// lengths are finite and greater than 0.
-  DisplacedPlane(const DisplacementMap& map, const Vec2& sides);
-  DisplacedPlane(DisplacementMap&&, const Vec2&) = delete;
+  DisplacedPlane(const DisplacementMap& map, const Vec2& sides, PlaneNormals normals = PlaneNormals::facets);
+  DisplacedPlane(DisplacementMap&&, const Vec2&, PlaneNormals = PlaneNormals::facets) = delete;
 
   struct Hit {
     double t = 0;                ///< in lengths of the direction
@@ -41,6 +47,7 @@ class DisplacedPlane {
  private:
   HeightField field_;
   Vec2 sides_;
+  PlaneNormals normals_;
   HeightRange heights_;
 };
 

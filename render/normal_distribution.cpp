@@ -115,7 +115,9 @@ class ViewSampler {
       ++counts.missed;
       return;
     }
-    const Vec3& n = hit->normal;
+    const std::optional<Vec3> normal = options_.normal_at ? options_.normal_at(hit->uv) : hit->normal;
+    if (!normal) return;
+    const Vec3& n = *normal;
     const Vec2 in_square = hemisphere_to_square({c * n.x() + s * n.y(), c * n.y() - s * n.x(), n.z()});
     const auto bin = [&](double coordinate) {
       return static_cast<std::size_t>(

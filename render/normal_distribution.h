@@ -8,6 +8,8 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +25,9 @@ struct VisibleNormalsOptions {
   /// Replaces every share by the mean of its 3 x 3 neighbourhood (border bins count again where it is cut
   /// off). For few samples; widens what is sharp.
   bool smooth = false;
+  /// The normal that counts where a ray lands, by its texture coordinate: a unit vector in the frame of the
+  /// plane; nothing where the ray shall not count. Unset: the plane's own. Called in parallel.
+  std::function<std::optional<Vec3>(const Vec2& uv)> normal_at{};
 };
 
 /// Distributions of the normals that are seen, one for each view. Normals are in the viewer's frame: z is

@@ -55,13 +55,14 @@ Rgb PathTracer::last_light(const SurfacePoint& point, const ScatterSample& scatt
   return lights_.found(start, scatter.direction, distance, scatter.density);
 }
 
-Rgb PathTracer::radiance(const Hit& first, const Vec3f& direction, SampleStream& numbers) const {
+Rgb PathTracer::radiance(const Hit& first, const Vec3f& direction, MethodShares shares,
+                         SampleStream& numbers) const {
   const int bounces = options_.transport == LightTransport::path ? options_.max_bounces : 0;
   Rgb light = Rgb::Zero(), throughput = Rgb::Ones();
   Hit hit = first;
   Vec3f along = direction;
   for (int bounce = 0;; ++bounce) {
-    const SurfacePoint point = surface_point(scene_, hit, along);
+    const SurfacePoint point = surface_point(scene_, hit, along, shares);
     // Equation 3.13.
     if (options_.transport == LightTransport::direct)
       light += static_cast<float>(lights_.ambient()) * point.albedo;
@@ -81,6 +82,7 @@ Rgb PathTracer::radiance(const Hit& first, const Vec3f& direction, SampleStream&
     light += throughput.cwiseProduct(lights_.found(start, scatter.direction, distance, scatter.density));
     if (!met || !survives(bounce, numbers.next_pair(), throughput)) break;
     along = scatter.direction.cast<float>();
+    if (shares.is_on_base()) shares.table = 1;
   }
   return light;
 }

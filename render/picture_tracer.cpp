@@ -35,13 +35,12 @@ constexpr float k_brightest = 1e18f;
 }  // namespace
 
 PictureTracer::PictureTracer(const SceneData& scene, const Camera& camera, const RenderOptions& options)
-    : scene_(scene), options_(options), rays_(scene, camera) {
+    : scene_(scene), options_(options), rays_(scene, camera), surfaces_(scene, rays_.frame(), options) {
   if (options.transport == LightTransport::camera) {
     const CameraFrame& frame = rays_.frame();
     const Vec3& lamp = options.camera_light.toward;
-    toward_lamp_ =
-        (lamp.x() * frame.right + lamp.y() * frame.up - lamp.z() * frame.forward).normalized().cast<float>();
-    up_ = frame.up.cast<float>();
+    toward_lamp_ = (lamp.x() * frame.right + lamp.y() * frame.up - lamp.z() * frame.forward).normalized();
+    up_ = frame.up;
     pattern_ = sample_pattern(options.samples_per_pixel);
   } else {
     lights_.emplace(options.lighting, scene, options.light_sampling);
@@ -49,11 +48,21 @@ PictureTracer::PictureTracer(const SceneData& scene, const Camera& camera, const
   }
 }
 
-Rgb PictureTracer::camera_light_on(const Vec3f& normal) const {
+Rgb PictureTracer::camera_light_on(const SurfaceLook& look) const {
   const CameraLight& light = options_.camera_light;
-  const float upward = 0.5f + 0.5f * normal.dot(up_);
-  return light.lamp * std::max(0.0f, normal.dot(toward_lamp_)) + light.ground +
+  const auto upward = static_cast<float>(0.5 + 0.5 * mean_normal(look).dot(up_));
+  return light.lamp * static_cast<float>(facing(look, toward_lamp_)) + light.ground +
          upward * (light.sky - light.ground);
+}
+
+Rgb PictureTracer::method_color_of(const SeenSurface& surface, const Vec3f& direction) const {
+  const SurfaceLook look = look_of(scene_, surface.hit, direction, surface.shares);
+  const float shade =
+      0.35f + 0.65f * std::max(0.0f, -static_cast<float>(mean_normal(look).dot(direction.cast<double>())));
+  if (!surface.transition) return Rgb::Constant(0.5f * shade);
+  const MethodShares& shares = surface.shares;
+  const double bump = 1 - std::max(shares.table, shares.displaced);
+  return shade * Vec3(shares.table, shares.displaced, bump).cast<float>();
 }
 
 float PictureTracer::line_factor_at(const RayPacket& packet, int lane, const Hit& hit) const {
@@ -73,15 +82,19 @@ void PictureTracer::sample_by_camera_light(int left, int top, int sample, BlockC
   places.fill(pattern_[static_cast<std::size_t>(sample) % pattern_.size()]);
   RayPacket packet;
   rays_.aim(left, top, places, packet);
-  nearest_hits(scene_, packet);
+  SeenSurfaces::Block seen;
+  surfaces_.find(packet, seen);
   for (int lane = 0; lane < k_lanes; ++lane) {
+    const SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
+    const Vec3f& direction = packet.directions[lane];
     Rgb color = options_.background;
-    if (packet.hits(lane)) {
-      const Hit hit = packet.hit(lane);
-      const SurfaceLook look = look_of(scene_, hit, packet.directions[lane]);
-      color = look.albedo.cwiseProduct(camera_light_on(look.normal));
-      if (options_.wireframe) color *= line_factor_at(packet, lane, hit);
+    if (surface.is_there && options_.show_methods) {
+      color = method_color_of(surface, direction);
+    } else if (surface.is_there) {
+      const SurfaceLook look = look_of(scene_, surface.hit, direction, surface.shares);
+      color = look.albedo.cwiseProduct(camera_light_on(look));
     }
+    if (surface.is_there && options_.wireframe) color *= line_factor_at(packet, lane, surface.hit);
     colors.set(lane, color);
   }
 }
@@ -96,16 +109,19 @@ void PictureTracer::sample_by_scene_light(int left, int top, int sample, BlockCo
   }
   RayPacket packet;
   rays_.aim(left, top, places, packet);
-  nearest_hits(scene_, packet);
+  SeenSurfaces::Block seen;
+  surfaces_.find(packet, seen);
   for (int lane = 0; lane < k_lanes; ++lane) {
+    const SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
     const Vec3 direction = packet.directions[lane].cast<double>();
     double distance = std::numeric_limits<double>::infinity();
     Rgb color;
-    if (packet.hits(lane)) {
-      const Hit hit = packet.hit(lane);
-      distance = static_cast<double>(packet.entry[lane]) + static_cast<double>(hit.distance);
-      color = paths_->radiance(hit, packet.directions[lane], numbers[static_cast<std::size_t>(lane)]);
-      if (options_.wireframe) color *= line_factor_at(packet, lane, hit);
+    if (surface.is_there) {
+      distance = static_cast<double>(packet.entry[lane]) + static_cast<double>(surface.hit.distance);
+      color = options_.show_methods ? method_color_of(surface, packet.directions[lane])
+                                    : paths_->radiance(surface.hit, packet.directions[lane], surface.shares,
+                                                       numbers[static_cast<std::size_t>(lane)]);
+      if (options_.wireframe) color *= line_factor_at(packet, lane, surface.hit);
     } else {
       color = lights_->seen_environment(direction).value_or(options_.background);
     }

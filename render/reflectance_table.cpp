@@ -130,8 +130,9 @@ ReflectanceTable make_reflectance_table(const VisibleNormals& normals, const Ref
     double* values = table.values.data() + slice * table.slice_size();
     tbb::parallel_for(0, options.light_angles, [&](int row) {
       for (int column = 0; column < options.light_azimuths; ++column) {
-        const Vec3 light = direction_of(row * k_pi / 2 / (options.light_angles - 1),
-                                        column * 2 * k_pi / options.light_azimuths);
+        Vec3 light = direction_of(row * k_pi / 2 / (options.light_angles - 1),
+                                  column * 2 * k_pi / options.light_azimuths);
+        if (options.from_below) light.z() = -light.z();
         double sum = 0;
         for (const WeightedNormal& n : seen) sum += n.share * scattered_by(n.normal, light, viewer, options);
         values[row * options.light_azimuths + column] = sum;

@@ -23,6 +23,9 @@ struct ReflectanceTableOptions {
   int light_angles =
       31;  ///< polar angles of the light: evenly from 0 to 90 degrees, both included; 2 to 1024
   int light_azimuths = 64;  ///< of the light, from the viewer's on: evenly around the circle; 1 to 1024
+  /// Values are those of light that comes from below, from the mirror image of each direction: for lamps
+  /// without shadows, which light slopes beyond the horizon.
+  bool from_below = false;
 };
 
 /// The mean over the normals that are seen of max(0, lobe), by view and light. Light that bumps take from

@@ -1,5 +1,6 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
+#include <recede/render/detail/number_bytes.h>
 #include <recede/render/reflectance_table.h>
 
 #include <bit>
@@ -14,20 +15,6 @@ namespace {
 constexpr std::string_view k_head = "recede reflectance 1\n";
 constexpr int k_most = 1024;  // of each count, as the options have it
 
-template <class Unsigned>
-void append(std::string& bytes, Unsigned number) {
-  for (std::size_t i = 0; i < sizeof(Unsigned); ++i)
-    bytes.push_back(static_cast<char>(static_cast<unsigned char>(number >> (8 * i) & 0xff)));
-}
-
-template <class Unsigned>
-Unsigned number_at(std::string_view bytes, std::size_t offset) {
-  Unsigned number = 0;
-  for (std::size_t i = 0; i < sizeof(Unsigned); ++i)
-    number |= static_cast<Unsigned>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
-  return number;
-}
-
 std::size_t value_count(const ReflectanceTable& table) {
   return static_cast<std::size_t>(table.views + 1) * static_cast<std::size_t>(table.azimuths) *
          table.slice_size();
@@ -40,8 +27,8 @@ void write_reflectance_table(const std::filesystem::path& path, const Reflectanc
     throw InputError::in_file(path.string(), "the table must have one value for each pair of directions");
   std::string bytes(k_head);
   for (const int count : {table.views, table.azimuths, table.light_angles, table.light_azimuths, 0})
-    append(bytes, static_cast<std::uint32_t>(count));
-  for (const double value : table.values) append(bytes, std::bit_cast<std::uint64_t>(value));
+    detail::append_bytes(bytes, static_cast<std::uint32_t>(count));
+  for (const double value : table.values) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
   write_file_atomically(path, bytes);
 }
 
@@ -54,7 +41,7 @@ ReflectanceTable read_reflectance_table(const std::filesystem::path& path) {
   int counts[4];
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t at = k_head.size() + 4 * i;
-    const auto count = number_at<std::uint32_t>(bytes, at);
+    const auto count = detail::number_at<std::uint32_t>(bytes, at);
     if (count < (i == 2 ? 2u : 1u) || count > k_most)
       throw InputError::at_byte(name, at, "a count out of range");
     counts[i] = static_cast<int>(count);
@@ -65,7 +52,7 @@ ReflectanceTable read_reflectance_table(const std::filesystem::path& path) {
   if (bytes.size() - start != value_count(table) * sizeof(double))
     throw InputError::in_file(name, "the file is longer or shorter than its table");
   for (std::size_t at = start; at < bytes.size(); at += sizeof(double)) {
-    const auto value = std::bit_cast<double>(number_at<std::uint64_t>(bytes, at));
+    const auto value = std::bit_cast<double>(detail::number_at<std::uint64_t>(bytes, at));
     if (!(value >= 0) || !std::isfinite(value))
       throw InputError::at_byte(name, at, "a value is negative or not finite");
     table.values.push_back(value);

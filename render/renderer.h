@@ -4,6 +4,7 @@
 #include <recede/geometry/progress.h>
 #include <recede/render/camera.h>
 #include <recede/render/light.h>
+#include <recede/render/rendering_transition.h>
 #include <recede/render/scene.h>
 
 #include <optional>
@@ -30,6 +31,14 @@ enum class LightSampling {
   surface  ///< by directions that the surface scatters to only
 };
 
+/// By which method displaced surfaces with appearances are drawn (`SceneOptions::appearance`).
+enum class Representation {
+  automatic,    ///< each ray by what it needs, see `RenderOptions::transition`
+  brdf,         ///< a table of what all bumps together scatter
+  bump,         ///< redistributed bump map
+  displacement  ///< geometry
+};
+
 struct RenderOptions {
   /// Samples spread over each pixel, 1 to 65536; with the camera's light at most 1024, in a fixed pattern
   /// that fills both axes evenly.
@@ -45,6 +54,13 @@ struct RenderOptions {
   /// error is at most this as a share of the step from black to white (sRGB-encoded). What is so rare that no
   /// sample of a block has met it is missed.
   double noise = 0;
+  Representation representation = Representation::automatic;
+  /// Where methods change. Unset: by `transition_for_wavelength`, for the appearance's waves and the camera's
+  /// pixels.
+  std::optional<TransitionOptions> transition = {};
+  /// False colours instead of light: green is displacement, blue the bump map, red the table, and what lies
+  /// between them a mixture. Surfaces without appearances are grey.
+  bool show_methods = false;
   /// Set: draws lines. They fade where polygons shrink to a few pixels, so that a fine mesh isn't a black
   /// blot.
   std::optional<Wireframe> wireframe = {};

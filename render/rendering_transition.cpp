@@ -10,6 +10,8 @@ namespace {
 
 double slope(double cosine, const TransitionOptions& options) {
   if (!(options.silhouette > 0)) throw OptionError("the transition along silhouettes is above 0");
+  if (!(options.unit >= 0) || !std::isfinite(options.unit) || !std::isfinite(options.threshold))
+    throw OptionError("unit and threshold of a transition are finite numbers, the unit not below 0");
   return std::max(cosine, 0.0) + options.silhouette;
 }
 
@@ -17,7 +19,7 @@ double slope(double cosine, const TransitionOptions& options) {
 
 double transition_value(double distance, double cosine, const TransitionOptions& options) {
   if (!(distance > 0)) throw OptionError("the distance of a transition is above 0");
-  return (1 / distance - options.threshold) / slope(cosine, options);
+  return (options.unit / distance - options.threshold) / slope(cosine, options);
 }
 
 RenderingTransition rendering_transition(double value) {
@@ -31,7 +33,20 @@ RenderingTransition rendering_transition(double value) {
 
 double transition_distance(double value, double cosine, const TransitionOptions& options) {
   const double reciprocal = options.threshold + value * slope(cosine, options);
-  return reciprocal > 0 ? 1 / reciprocal : std::numeric_limits<double>::infinity();
+  return reciprocal > 0 ? options.unit / reciprocal : std::numeric_limits<double>::infinity();
+}
+
+TransitionOptions transition_around(double distance) {
+  if (!(distance >= 0) || !std::isfinite(distance))
+    throw OptionError("the distance at which methods change is finite and not below 0");
+  constexpr double k_threshold = 2;
+  return {.unit = k_threshold * distance, .threshold = k_threshold};
+}
+
+TransitionOptions transition_for_wavelength(double wavelength, double pixel) {
+  if (!(pixel > 0)) throw OptionError("pixels have a size");
+  constexpr double k_pixels = 2;
+  return transition_around(wavelength / (k_pixels * pixel));
 }
 
 DisplacementMap lowered_below_base(const DisplacementMap& map) {
@@ -39,10 +54,14 @@ DisplacementMap lowered_below_base(const DisplacementMap& map) {
   for (int y = 0; y < map.rows(); ++y) {
     for (int x = 0; x < map.columns(); ++x) highest = std::max(highest, map.texel(x, y));
   }
+  return raised(map, -highest);
+}
+
+DisplacementMap raised(const DisplacementMap& map, double height) {
   if (map.whole_samples().empty()) {
     std::vector<float> heights = map.float_samples();
-    const auto most = static_cast<float>(highest);
-    for (float& height : heights) height -= most;
+    const auto step = static_cast<float>(height);
+    for (float& h : heights) h += step;
     return DisplacementMap(map.columns(), map.rows(), std::move(heights), map.border());
   }
   Raster samples;
@@ -50,7 +69,7 @@ DisplacementMap lowered_below_base(const DisplacementMap& map) {
   samples.height = map.rows();
   samples.bits = map.bits();
   samples.samples = map.whole_samples();
-  return DisplacementMap(std::move(samples), map.scale(), map.offset() - highest, map.border());
+  return DisplacementMap(std::move(samples), map.scale(), map.offset() + height, map.border());
 }
 
 }  // namespace recede

@@ -1,9 +1,11 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/shading_normals.h>
+#include <recede/lod/displaced_base.h>
 #include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/embree_device.h>
 #include <recede/render/detail/ground_disc.h>
 #include <recede/render/detail/scene_data.h>
+#include <recede/render/rendering_transition.h>
 #include <recede/render/scene.h>
 
 #include <tbb/parallel_for.h>
@@ -21,6 +23,7 @@ using detail::DisplacedLook;
 using detail::embree_device;
 using detail::MeshData;
 using detail::SceneData;
+using detail::SurfaceShape;
 using detail::throw_on_embree_error;
 
 // From the models alone: a floor that reaches far must not cost them detail.
@@ -38,16 +41,17 @@ void extend_radius(double radius, SceneData& data) {
   data.radius = std::max(data.radius, radius * (1 + k_rounding_room) + k_rounding_room);
 }
 
-void copy_positions(const PolygonSoup& soup, SceneData& data, MeshData& mesh) {
-  mesh.positions.resize(soup.positions.size());
+std::vector<std::array<float, 4>> scaled_positions(const PolygonSoup& soup, SceneData& data) {
+  std::vector<std::array<float, 4>> positions(soup.positions.size());
   double squared_radius = 0;
   for (std::size_t v = 0; v < soup.positions.size(); ++v) {
     const Vec3 scaled = data.scaled(soup.positions[v]);
     squared_radius = std::max(squared_radius, scaled.squaredNorm());
-    mesh.positions[v] = {static_cast<float>(scaled.x()), static_cast<float>(scaled.y()),
-                         static_cast<float>(scaled.z()), 0.0f};
+    positions[v] = {static_cast<float>(scaled.x()), static_cast<float>(scaled.y()),
+                    static_cast<float>(scaled.z()), 0.0f};
   }
   extend_radius(std::sqrt(squared_radius), data);
+  return positions;
 }
 
 bool is_polygon_side(const PolygonSoup& soup, Index face, Index from, Index to) {
@@ -66,11 +70,27 @@ Rgb face_color(const PolygonSoup& soup, Index face) {
   return soup.materials[material].base_color.head<3>().cast<float>();
 }
 
+/// For each corner, its own normal or the computed one, unit, on the front of its face: shading turns normals
+/// by the side that is seen.
+std::vector<Vec3> drawn_normals(const PolygonSoup& soup, double crease_angle) {
+  std::vector<Vec3> normals = shading_normals(soup, crease_angle);
+  tbb::parallel_for(std::size_t{0}, soup.n_faces(), [&](std::size_t face) {
+    const Vec3 area = vector_area(soup, static_cast<Index>(face));
+    for (Index c = soup.face_offsets[face]; c < soup.face_offsets[face + 1]; ++c) {
+      if (!soup.corner_normals.empty() && !soup.corner_normals[c].isZero(0))
+        normals[c] = soup.corner_normals[c];
+      if (normals[c].dot(area) < 0) normals[c] = -normals[c];
+      normals[c] = normals[c].stableNormalized();
+    }
+  });
+  return normals;
+}
+
 void copy_triangles(const PolygonSoup& soup, double scale, double crease_angle, MeshData& mesh) {
   std::vector<Index> faces, corners;
   triangulate(soup, &faces, &corners);
   const std::size_t count = faces.size();
-  const std::vector<Vec3> computed = shading_normals(soup, crease_angle);
+  const std::vector<Vec3> normals = drawn_normals(soup, crease_angle);
   mesh.triangles.resize(count);
   mesh.corner_normals.resize(3 * count);
   mesh.triangle_colors.resize(count);
@@ -78,21 +98,15 @@ void copy_triangles(const PolygonSoup& soup, double scale, double crease_angle, 
   mesh.polygon_areas.resize(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
     const Index face = faces[t];
-    const Vec3 area = vector_area(soup, face);
     unsigned sides = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index corner = corners[3 * t + k], next = corners[3 * t + (k + 1) % 3];
       mesh.triangles[t][k] = soup.corner_vertices[corner];
       if (is_polygon_side(soup, face, corner, next)) sides |= 1u << k;
-      Vec3 normal = computed[corner];
-      if (!soup.corner_normals.empty() && !soup.corner_normals[corner].isZero(0))
-        normal = soup.corner_normals[corner];
-      // Shading turns normals by the side of the triangle that is seen, so all must be on its front.
-      if (normal.dot(area) < 0) normal = -normal;
-      mesh.corner_normals[3 * t + k] = normal.stableNormalized().cast<float>();
+      mesh.corner_normals[3 * t + k] = normals[corner].cast<float>();
     }
     mesh.polygon_sides[t] = static_cast<std::uint8_t>(sides);
-    mesh.polygon_areas[t] = static_cast<float>(area.norm() * scale * scale);
+    mesh.polygon_areas[t] = static_cast<float>(vector_area(soup, face).norm() * scale * scale);
     mesh.triangle_colors[t] = face_color(soup, face);
   });
 }
@@ -113,44 +127,87 @@ void find_longest_sides(MeshData& mesh) {
 
 void add_mesh(const PolygonSoup& soup, double crease_angle, SceneData& data) {
   MeshData& mesh = data.meshes.emplace_back();
-  copy_positions(soup, data, mesh);
+  mesh.positions = scaled_positions(soup, data);
   copy_triangles(soup, data.scale, crease_angle, mesh);
   find_longest_sides(mesh);
   mesh.vertex_colors.reserve(soup.vertex_colors.size());
   for (const Vec4& color : soup.vertex_colors) mesh.vertex_colors.emplace_back(color.head<3>().cast<float>());
 }
 
-RTCGeometry triangle_geometry(RTCDevice device, const MeshData& mesh) {
+using Positions = std::vector<std::array<float, 4>>;
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+RTCGeometry triangle_geometry(RTCDevice device, const Positions& positions, const Triangles& triangles) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
-                             sizeof(mesh.positions[0]), mesh.positions.size());
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                             sizeof(mesh.triangles[0]), mesh.triangles.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
+                             sizeof(positions[0]), positions.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0,
+                             sizeof(triangles[0]), triangles.size());
   rtcCommitGeometry(geometry);
   return geometry;
 }
 
-void build_embree_scene(SceneData& data) {
+RTCGeometry geometry_of(RTCDevice device, const SceneData& data, const MeshData& mesh, SurfaceShape shape) {
+  if (!mesh.displaced || shape == SurfaceShape::base)
+    return triangle_geometry(device, mesh.positions, mesh.triangles);
+  if (shape == SurfaceShape::displaced) return detail::displaced_geometry(device, mesh.displaced->surface);
+  return triangle_geometry(device, data.appearances->envelope_positions,
+                           data.appearances->envelope_triangles);
+}
+
+/// Embree numbers geometries in the order of the meshes.
+RTCScene embree_scene(const SceneData& data, SurfaceShape shape) {
   const RTCDevice device = embree_device();
-  data.scene = rtcNewScene(device);
+  const RTCScene scene = rtcNewScene(device);
   throw_on_embree_error(device, "make a scene");
   // Rays that leave a surface carry a filter, see tracing.cpp.
   const RTCSceneFlags flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
-  rtcSetSceneFlags(data.scene, flags);
+  rtcSetSceneFlags(scene, flags);
   for (const MeshData& mesh : data.meshes) {
-    if (mesh.displaced) detail::save_memory(data.scene, flags, mesh.displaced->surface);
+    if (mesh.displaced && shape == SurfaceShape::displaced)
+      detail::save_memory(scene, flags, mesh.displaced->surface);
   }
   for (const MeshData& mesh : data.meshes) {
-    const RTCGeometry geometry = mesh.displaced ? detail::displaced_geometry(device, mesh.displaced->surface)
-                                                : triangle_geometry(device, mesh);
-    rtcAttachGeometry(data.scene, geometry);
+    const RTCGeometry geometry = geometry_of(device, data, mesh, shape);
+    rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
   }
   throw_on_embree_error(device, "set a geometry");
   // The tree that several threads build depends on their number, and with it which of two triangles a ray on
   // their common edge hits. One thread builds 2 million triangles a second, which is enough here.
-  tbb::task_arena(1).execute([&data] { rtcCommitScene(data.scene); });
+  tbb::task_arena(1).execute([scene] { rtcCommitScene(scene); });
   throw_on_embree_error(device, "build the tree");
+  return scene;
+}
+
+void build_embree_scenes(SceneData& data) {
+  data.scene = embree_scene(data, SurfaceShape::displaced);
+  if (!data.appearances) return;
+  data.appearances->base = embree_scene(data, SurfaceShape::base);
+  data.appearances->envelope = embree_scene(data, SurfaceShape::envelope);
+}
+
+void make_envelope(const PolygonSoup& base, const detail::HeightSpan& span, SceneData& data) {
+  detail::AppearanceScenes& scenes = *data.appearances;
+  scenes.envelope_positions = scaled_positions(detail::raised_base(base, span.largest), data);
+  std::vector<Index> corners;
+  triangulate(base, nullptr, &corners);
+  for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
+    scenes.envelope_triangles.push_back({base.corner_vertices[corners[c]],
+                                         base.corner_vertices[corners[c + 1]],
+                                         base.corner_vertices[corners[c + 2]]});
+  }
+  const Positions below = scaled_positions(detail::raised_base(base, span.least), data);
+  for (const detail::BorderSide& border : detail::border_sides(base)) {
+    const std::array<std::uint32_t, 3> triangle = scenes.envelope_triangles[border.triangle];
+    const std::uint32_t a = triangle[border.side], b = triangle[(border.side + 1) % 3];
+    const auto below_a = static_cast<std::uint32_t>(scenes.envelope_positions.size());
+    scenes.envelope_positions.push_back(below[a]);
+    scenes.envelope_positions.push_back(below[b]);
+    scenes.envelope_triangles.push_back({a, below_a, b});
+    scenes.envelope_triangles.push_back({b, below_a, below_a + 1});
+    scenes.strip_owners.insert(scenes.strip_owners.end(), 2, border.triangle);
+  }
 }
 
 /// Around all heights, object space.
@@ -169,6 +226,11 @@ Box3 displaced_box(const DisplacedMesh::Data& surface) {
 
 namespace detail {
 
+AppearanceScenes::~AppearanceScenes() {
+  if (base != nullptr) rtcReleaseScene(base);
+  if (envelope != nullptr) rtcReleaseScene(envelope);
+}
+
 SceneData::~SceneData() {
   if (scene != nullptr) rtcReleaseScene(scene);
 }
@@ -184,7 +246,7 @@ Scene::Scene(std::span<const PolygonSoup> soups, const SceneOptions& options)
   place_scene(soups, *data_);
   for (const PolygonSoup& soup : soups) add_mesh(soup, options.crease_angle, *data_);
   if (options.ground) add_mesh(detail::ground_disc(soups, *options.ground), 0, *data_);
-  build_embree_scene(*data_);
+  build_embree_scenes(*data_);
 }
 
 Scene::Scene(const PolygonSoup& soup, const SceneOptions& options)
@@ -195,12 +257,37 @@ Scene::Scene(const PolygonMesh& mesh, const SceneOptions& options) : Scene(to_so
 Scene::Scene(const PolygonSoup& base, const DisplacementMap& heights,
              const DisplacedMeshOptions& displacement, const SceneOptions& options)
     : data_(std::make_unique<detail::SceneData>()) {
+  if (options.appearance) {
+    build_with_appearance(base, heights, {}, displacement, options);
+    return;
+  }
   build_displaced(base, std::make_shared<DisplacedLook>(base, heights, displacement), options);
 }
 
 Scene::Scene(const BakedMaps& maps, const DisplacedMeshOptions& displacement, const SceneOptions& options)
     : data_(std::make_unique<detail::SceneData>()) {
+  if (options.appearance) {
+    build_with_appearance(maps.surface, displacement_map_of(maps), maps, displacement, options);
+    return;
+  }
   build_displaced(maps.surface, std::make_shared<DisplacedLook>(maps, displacement), options);
+}
+
+void Scene::build_with_appearance(const PolygonSoup& base, const DisplacementMap& heights,
+                                  const BakedMaps& maps, DisplacedMeshOptions displacement,
+                                  const SceneOptions& options) {
+  const detail::HeightSpan span = detail::span_of(heights);
+  const PolygonSoup middle = detail::raised_base(base, span.mean);
+  displacement.partial = true;
+  auto look = std::make_shared<DisplacedLook>(middle, raised(heights, -span.mean), displacement);
+  std::vector<Vec3> normals =
+      maps.corner_tangents.empty() ? drawn_normals(base, options.crease_angle) : middle.corner_normals;
+  look->appearance.emplace(middle, std::move(normals), maps, options.appearance);
+  data_->center = look->surface.frame.center;
+  data_->scale = look->surface.frame.scale;
+  data_->appearances = std::make_unique<detail::AppearanceScenes>();
+  make_envelope(base, span, *data_);
+  build_displaced(middle, std::move(look), options);
 }
 
 void Scene::build_displaced(const PolygonSoup& base, std::shared_ptr<DisplacedLook> look,
@@ -219,7 +306,7 @@ void Scene::build_displaced(const PolygonSoup& base, std::shared_ptr<DisplacedLo
     for (int k = 0; k < 8; ++k) corners.positions.push_back(box.corner(static_cast<Box3::CornerType>(k)));
     add_mesh(detail::ground_disc(std::span<const PolygonSoup>(&corners, 1), *options.ground), 0, *data_);
   }
-  build_embree_scene(*data_);
+  build_embree_scenes(*data_);
 }
 
 Scene::~Scene() = default;

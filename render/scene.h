@@ -12,6 +12,8 @@
 
 namespace recede {
 
+class Appearance;
+
 /// A matt floor that touches the models from below and reaches far beyond what a camera near them sees: a
 /// disc of 64 times their longest side.
 struct Ground {
@@ -24,6 +26,10 @@ struct SceneOptions {
   /// input brings no normals. 0: flat facets.
   double crease_angle = 0.698131700797732;  // 40 degrees
   std::optional<Ground> ground = {};
+  /// Of a displaced surface: lets pictures show it by other methods than displacement (`Appearance`; see
+  /// `RenderOptions::representation`). Normals are then those of the bump map in the frame of the base's
+  /// normals, and heights count from the base moved out to their mean, which the other methods draw.
+  std::shared_ptr<const Appearance> appearance = {};
 };
 
 namespace detail {
@@ -61,6 +67,8 @@ class Scene {
  private:
   void build_displaced(const PolygonSoup& base, std::shared_ptr<detail::DisplacedLook> look,
                        const SceneOptions& options);
+  void build_with_appearance(const PolygonSoup& base, const DisplacementMap& heights, const BakedMaps& maps,
+                             DisplacedMeshOptions displacement, const SceneOptions& options);
   std::unique_ptr<detail::SceneData> data_;
 };
 

@@ -36,13 +36,40 @@ double rounding_bound(const MeshData& mesh, std::uint32_t triangle, const Vec3& 
 
 }  // namespace
 
-SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& direction) {
+namespace {
+
+/// A surface with appearances, by the method that `shares` say. Backs have none but the bump map.
+void set_appearance(const DisplacedLook& look, const Hit& base_hit, const Vec3f& direction,
+                    const MethodShares& shares, SurfaceLook& seen) {
+  const AppearanceLook& appearances = *look.appearance;
+  const double u = static_cast<double>(base_hit.u), v = static_cast<double>(base_hit.v);
+  const SurfaceFrame frame = appearances.frame_at(base_hit.part.primitive, {1 - u - v, u, v});
+  const bool is_front = base_hit.front.dot(direction) <= 0;
+  const Vec3 toward_viewer = frame.to_local(-direction.cast<double>());
+  if (shares.table > 0 && is_front)
+    seen.table = {shares.table, &appearances.appearance(), frame, toward_viewer};
+  if (seen.table.share < 1) {
+    Vec3 normal = appearances.bump_normal(frame.uv, look.surface.map);
+    if (shares.displaced < 1 && is_front)
+      normal = appearances.appearance().bump().normal_for_view(normal, toward_viewer, shares.displaced);
+    seen.normal = frame.to_world(normal).cast<float>();
+  } else {
+    seen.normal = frame.normal.cast<float>();
+  }
+}
+
+}  // namespace
+
+SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& direction,
+                    const MethodShares& shares) {
   const MeshData& mesh = scene.meshes[any_hit.part.object];
   const Hit hit = mesh.displaced ? hit_of_base(*mesh.displaced, any_hit) : any_hit;
   const std::uint32_t triangle = hit.part.primitive;
   const Vec3f weights(1 - hit.u - hit.v, hit.u, hit.v);
   SurfaceLook look{Vec3f::Zero(), mesh.triangle_colors[triangle]};
-  if (mesh.displaced) {
+  if (mesh.displaced && mesh.displaced->appearance) {
+    set_appearance(*mesh.displaced, hit, direction, shares, look);
+  } else if (mesh.displaced) {
     look.normal = displaced_normal(*mesh.displaced, any_hit).cast<float>();
   } else {
     for (std::size_t k = 0; k < 3; ++k)
@@ -62,6 +89,22 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
   return look;
 }
 
+double facing(const SurfaceLook& look, const Vec3& toward_light) {
+  const double by_normal = std::max(0.0, look.normal.cast<double>().dot(toward_light));
+  const TableLook& table = look.table;
+  if (table.share == 0) return by_normal;
+  const double by_table =
+      table.appearance->unshadowed(table.toward_viewer, table.frame.to_local(toward_light));
+  return (1 - table.share) * by_normal + table.share * by_table;
+}
+
+Vec3 mean_normal(const SurfaceLook& look) {
+  const TableLook& table = look.table;
+  if (table.share == 0) return look.normal.cast<double>();
+  return (1 - table.share) * look.normal.cast<double>() +
+         table.share * table.frame.to_world(table.appearance->mean_normal(table.toward_viewer));
+}
+
 namespace {
 
 /// Position, geometric normal and start; the normal's side isn't chosen yet.
@@ -77,14 +120,15 @@ void place_on_triangle(const MeshData& mesh, const Hit& hit, SurfacePoint& point
 
 }  // namespace
 
-SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction) {
+SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction,
+                           const MethodShares& shares) {
   const MeshData& mesh = scene.meshes[hit.part.object];
-  const SurfaceLook look = look_of(scene, hit, direction);
+  const SurfaceLook look = look_of(scene, hit, direction, shares);
   const Vec3 ray = direction.cast<double>();
   SurfacePoint point;
   point.part = hit.part;
   double off = 0;
-  if (mesh.displaced) {
+  if (mesh.displaced && !is_on_base(hit)) {
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();
     off = displaced_rounding_bound(*mesh.displaced, mesh, hit, point.position);
@@ -98,31 +142,78 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
   point.normal = look.normal.cast<double>().stableNormalized();
   if (!(point.normal.squaredNorm() > 0.5)) point.normal = point.geometric_normal;
   point.albedo = look.albedo;
+  point.table = look.table;
+  point.target = {shares.is_on_base() ? SurfaceShape::base : SurfaceShape::displaced,
+                  static_cast<float>(shares.displaced)};
   point.start = (point.position + off * point.geometric_normal).cast<float>();
   return point;
 }
 
+namespace {
+
+double scattered_by_normal(const SurfacePoint& point, const Vec3& toward) {
+  return std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
+}
+
+double scattered_by_table(const TableLook& table, const Vec3& toward) {
+  return table.appearance->table().value(table.toward_viewer, table.frame.to_local(toward)) /
+         std::numbers::pi;
+}
+
+/// Per radiance that comes from above the geometric horizon, for an albedo of 1.
+double scattered_share(const SurfacePoint& point, const Vec3& toward) {
+  const double share = point.table.share;
+  if (share == 0) return scattered_by_normal(point, toward);
+  const double by_table = share * scattered_by_table(point.table, toward);
+  return share == 1 ? by_table : by_table + (1 - share) * scattered_by_normal(point, toward);
+}
+
+/// A disc filled evenly and lifted to the hemisphere has the density of the cosine.
+Vec3 cosine_direction(const Vec3& normal, const Vec2& random) {
+  const double radius = std::sqrt(random.x()), angle = 2 * std::numbers::pi * random.y();
+  const double cosine = std::sqrt(1 - random.x());
+  const std::array<Vec3, 2> tangents = tangents_of(normal);
+  return (radius * std::cos(angle) * tangents[0] + radius * std::sin(angle) * tangents[1] + cosine * normal)
+      .normalized();
+}
+
+}  // namespace
+
 Rgb scattered(const SurfacePoint& point, const Vec3& toward) {
-  const double cosine = point.normal.dot(toward);
-  if (!(cosine > 0) || !(point.geometric_normal.dot(toward) > 0)) return Rgb::Zero();
-  return static_cast<float>(cosine / std::numbers::pi) * point.albedo;
+  if (!(point.geometric_normal.dot(toward) > 0)) return Rgb::Zero();
+  return static_cast<float>(scattered_share(point, toward)) * point.albedo;
 }
 
 bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSample& sample) {
-  // A disc filled evenly and lifted to the hemisphere has the density of the cosine.
-  const double radius = std::sqrt(random.x()), angle = 2 * std::numbers::pi * random.y();
-  const double cosine = std::sqrt(1 - random.x());
-  const std::array<Vec3, 2> tangents = tangents_of(point.normal);
-  sample.direction = (radius * std::cos(angle) * tangents[0] + radius * std::sin(angle) * tangents[1] +
-                      cosine * point.normal)
-                         .normalized();
-  sample.density = cosine / std::numbers::pi;
-  sample.weight = point.albedo;
-  return cosine > 0 && point.geometric_normal.dot(sample.direction) > 0;
+  const TableLook& table = point.table;
+  if (random.x() < table.share) {
+    const Vec2 rest(random.x() / table.share, random.y());
+    const ReflectanceSampler::Sample drawn = table.appearance->sampler().sample(table.toward_viewer, rest);
+    if (!(drawn.density > 0)) return false;
+    sample.direction = table.frame.to_world(drawn.toward_light).normalized();
+  } else {
+    const Vec2 rest((random.x() - table.share) / (1 - table.share), random.y());
+    sample.direction = cosine_direction(point.normal, rest);
+  }
+  if (!(point.geometric_normal.dot(sample.direction) > 0)) return false;
+  if (table.share == 0) {
+    sample.density = std::sqrt(1 - random.x()) / std::numbers::pi;
+    sample.weight = point.albedo;
+    return sample.density > 0;
+  }
+  sample.density = scattering_density(point, sample.direction);
+  if (!(sample.density > 0)) return false;
+  sample.weight =
+      static_cast<float>(scattered_share(point, sample.direction) / sample.density) * point.albedo;
+  return true;
 }
 
 double scattering_density(const SurfacePoint& point, const Vec3& toward) {
-  return std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
+  const TableLook& table = point.table;
+  if (table.share == 0) return scattered_by_normal(point, toward);
+  return table.share *
+             table.appearance->sampler().density(table.toward_viewer, table.frame.to_local(toward)) +
+         (1 - table.share) * scattered_by_normal(point, toward);
 }
 
 }  // namespace recede::detail

@@ -18,8 +18,14 @@ void refuse_start(const RTCFilterFunctionNArguments* arguments) {
 RayContext context_of(const Ray& ray) {
   RayContext context = make_ray_context();
   context.from = ray.from;
+  context.fraction = ray.target.fraction;
   if (ray.from.object != RTC_INVALID_GEOMETRY_ID) context.embree.filter = refuse_start;
   return context;
+}
+
+RTCScene scene_for(const SceneData& scene, const RayTarget& target) {
+  if (scene.appearances == nullptr || target.shape == SurfaceShape::displaced) return scene.scene;
+  return target.shape == SurfaceShape::base ? scene.appearances->base : scene.appearances->envelope;
 }
 
 RTCRay embree_ray(const Ray& ray) {
@@ -42,9 +48,11 @@ bool nearest_hit(const SceneData& scene, const Ray& ray, Hit& hit) {
   RTCRayHit found{};
   found.ray = embree_ray(ray);
   found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene.scene, &context.embree, &found);
+  rtcIntersect1(scene_for(scene, ray.target), &context.embree, &found);
   if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  hit = {{found.hit.geomID, found.hit.primID, context.small[0]},
+  const std::uint32_t small =
+      ray.target.shape != SurfaceShape::displaced ? SurfacePart::k_none : context.small[0];
+  hit = {{found.hit.geomID, found.hit.primID, small},
          found.hit.u,
          found.hit.v,
          found.ray.tfar,
@@ -56,18 +64,20 @@ bool nearest_hit(const SceneData& scene, const Ray& ray, Hit& hit) {
 bool occluded(const SceneData& scene, const Ray& ray) {
   RayContext context = context_of(ray);
   RTCRay embree = embree_ray(ray);
-  rtcOccluded1(scene.scene, &context.embree, &embree);
+  rtcOccluded1(scene_for(scene, ray.target), &context.embree, &embree);
   return embree.tfar < 0;
 }
 
-void nearest_hits(const SceneData& scene, RayPacket& packet) {
+void nearest_hits(const SceneData& scene, RayPacket& packet, const RayTarget& target) {
   bool any = false;
   for (const int active : packet.active) any |= active != 0;
   if (!any) return;
   RayContext context = make_ray_context();
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(packet.active, scene.scene, &context.embree, &packet.rays);
+  context.fraction = target.fraction;
+  rtcIntersect16(packet.active, scene_for(scene, target), &context.embree, &packet.rays);
   packet.small = context.small;
+  if (target.shape != SurfaceShape::displaced) packet.small.fill(SurfacePart::k_none);
 }
 
 }  // namespace recede::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <recede/lod/detail/map_surface.h>
+#include <recede/render/detail/appearance_look.h>
 #include <recede/render/detail/displaced_data.h>
 #include <recede/render/detail/tracing.h>
 
@@ -21,13 +22,19 @@ struct DisplacedLook {
   std::optional<BakedMaps> maps = {};              ///< set where there is a normal map
   std::optional<MapTriangles> map_triangles = {};  ///< of `maps`
   bool is_flat = false;                            ///< small triangles are shaded as facets
+  /// Set where other methods than displacement may draw the surface. Normals are then those of the bump map.
+  std::optional<AppearanceLook> appearance = {};
 };
+
+/// Whether a hit is one of the base, which rays meet that are asked to.
+inline bool is_on_base(const Hit& hit) { return hit.part.small == SurfacePart::k_none; }
 
 /// The hit of a displaced surface as one of its base: primitive, u and v are those of the base's triangle.
 Hit hit_of_base(const DisplacedLook& look, const Hit& hit);
 
 /// The unit normal for shading, on the base's front: the normal map's, or that of the surface with heights
-/// whose slopes are interpolated between texels, so that texels don't show as facets.
+/// whose slopes are interpolated between texels, so that texels don't show as facets. For surfaces without
+/// appearances.
 Vec3 displaced_normal(const DisplacedLook& look, const Hit& hit);
 
 /// How far rays that leave a small triangle must start off it, so that rounding puts them on its right side.

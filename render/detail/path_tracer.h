@@ -16,8 +16,9 @@ class PathTracer {
   PathTracer(const SceneData& scene, const SceneLights& lights, const RenderOptions& options)
       : scene_(scene), lights_(lights), options_(options) {}
 
-  /// Radiance along a camera's ray that hits a surface.
-  Rgb radiance(const Hit& hit, const Vec3f& direction, SampleStream& numbers) const;
+  /// Radiance along a camera's ray that hits a surface, by the method that `shares` say. Paths stay on the
+  /// geometry on which they begin, and see its base by the table.
+  Rgb radiance(const Hit& hit, const Vec3f& direction, MethodShares shares, SampleStream& numbers) const;
 
  private:
   Rgb drawn_light(const SurfacePoint& point, SampleStream& numbers) const;

@@ -3,6 +3,7 @@
 
 #include <recede/render/detail/camera_rays.h>
 #include <recede/render/detail/path_tracer.h>
+#include <recede/render/detail/seen_surfaces.h>
 
 #include <array>
 #include <optional>
@@ -36,14 +37,16 @@ class PictureTracer {
  private:
   void sample_by_camera_light(int left, int top, int sample, BlockColors& colors) const;
   void sample_by_scene_light(int left, int top, int sample, BlockColors& colors) const;
-  Rgb camera_light_on(const Vec3f& normal) const;
+  Rgb camera_light_on(const SurfaceLook& look) const;
+  Rgb method_color_of(const SeenSurface& surface, const Vec3f& direction) const;
   float line_factor_at(const RayPacket& packet, int lane, const Hit& hit) const;
 
   const SceneData& scene_;
   const RenderOptions& options_;
   CameraRays rays_;
+  SeenSurfaces surfaces_;
   std::vector<Vec2> pattern_;  // of the camera's light
-  Vec3f toward_lamp_, up_;
+  Vec3 toward_lamp_, up_;
   std::optional<SceneLights> lights_;  // of the scene
   std::optional<PathTracer> paths_;
 };

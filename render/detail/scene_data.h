@@ -34,6 +34,27 @@ struct MeshData {
   }
 };
 
+/// Scenes with the base of a displaced surface in place of it, and with what holds all heights.
+struct AppearanceScenes {
+  AppearanceScenes() = default;
+  ~AppearanceScenes();
+  AppearanceScenes(const AppearanceScenes&) = delete;
+  AppearanceScenes& operator=(const AppearanceScenes&) = delete;
+
+  RTCScene base = nullptr, envelope = nullptr;
+  /// The envelope: the base at its largest height, triangle by triangle, and then strips down from its
+  /// borders to the least height, two triangles for each side.
+  std::vector<std::array<float, 4>> envelope_positions;
+  std::vector<std::array<std::uint32_t, 3>> envelope_triangles;
+  std::vector<std::uint32_t> strip_owners;  ///< the base's triangle for each of the strips'
+
+  /// The triangle of the base over which one of the envelope stands.
+  std::uint32_t base_triangle(std::uint32_t triangle) const {
+    const std::size_t faces = envelope_triangles.size() - strip_owners.size();
+    return triangle < faces ? triangle : strip_owners[triangle - faces];
+  }
+};
+
 /// Lengths and places are those of the scaled scene, whose models fill the unit box: (object - center) *
 /// scale.
 struct SceneData {
@@ -43,6 +64,8 @@ struct SceneData {
   SceneData& operator=(const SceneData&) = delete;
 
   RTCScene scene = nullptr;
+  /// The same with other shapes of a displaced surface; null where it has no appearances.
+  std::unique_ptr<AppearanceScenes> appearances;
   std::vector<MeshData> meshes;  ///< by Embree's number of the geometry
 
   Vec3 center = Vec3::Zero();

@@ -1,18 +1,33 @@
 // What shading knows of a place on a surface, and how the surface scatters light: the one place for both.
 #pragma once
 
+#include <recede/render/detail/appearance_look.h>
 #include <recede/render/detail/tracing.h>
 
 namespace recede::detail {
+
+/// A place that scatters by a table.
+struct TableLook {
+  double share = 0;  ///< of the intensity; the rest is that of the normal
+  const Appearance* appearance = nullptr;
+  SurfaceFrame frame;
+  Vec3 toward_viewer;  ///< in the frame
+};
 
 /// How a surface looks where a ray hits it.
 struct SurfaceLook {
   Vec3f normal;  ///< unit, for shading; turned to the side that is seen
   Rgb albedo;    ///< share of the light that it scatters back
+  TableLook table = {};
 };
 
-/// `direction` is the ray's.
-SurfaceLook look_of(const SceneData& scene, const Hit& hit, const Vec3f& direction);
+/// `direction` is the ray's. `shares` count for surfaces with appearances.
+SurfaceLook look_of(const SceneData& scene, const Hit& hit, const Vec3f& direction,
+                    const MethodShares& shares = {});
+
+/// The mean of max(0, N.L) over the normals N that are seen, for a lamp without shadows, and the mean of N.
+double facing(const SurfaceLook& look, const Vec3& toward_light);
+Vec3 mean_normal(const SurfaceLook& look);
 
 /// Where a ray hits a surface; lengths of the scaled scene.
 struct SurfacePoint {
@@ -22,15 +37,19 @@ struct SurfacePoint {
   Vec3 geometric_normal;  ///< unit, towards the side that is seen
   Vec3 normal;            ///< unit, for shading
   Rgb albedo;
+  TableLook table;
+  RayTarget target;  ///< what rays from here meet
 
   /// A ray from here, which must lead to the side that is seen.
   Ray ray_towards(const Vec3& direction, float length = std::numeric_limits<float>::infinity()) const {
-    return {start, direction.cast<float>(), length, part};
+    return {start, direction.cast<float>(), length, part, target};
   }
 };
 
-/// Turns a hit into what shading needs. `direction` is the ray's.
-SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction);
+/// Turns a hit into what shading needs. `direction` is the ray's; rays from here meet the geometry that goes
+/// with `shares`.
+SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& direction,
+                           const MethodShares& shares = {});
 
 /// Radiance that the surface sends to the viewer per radiance that comes from a unit direction, per solid
 /// angle: the BRDF times the cosine. Nothing from below the geometric horizon: a shading normal must not let

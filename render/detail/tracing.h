@@ -10,12 +10,25 @@ namespace recede::detail {
 
 using Vec3f = Eigen::Vector3f;
 
+/// What rays meet of a displaced surface with appearances.
+enum class SurfaceShape {
+  displaced,  ///< the heights, or a part of them
+  base,       ///< the surface of mean height, without detail
+  envelope    ///< what holds all heights: the surface of largest height
+};
+
+struct RayTarget {
+  SurfaceShape shape = SurfaceShape::displaced;
+  float fraction = 1;  ///< of the displacement
+};
+
 /// In the scaled scene.
 struct Ray {
   Vec3f origin, direction;  ///< unit
   float length = std::numeric_limits<float>::infinity();
   /// Where it starts: flat, so it can't meet it again, whatever rounding says.
   SurfacePart from = {};
+  RayTarget target = {};
 };
 
 struct Hit {
@@ -56,6 +69,6 @@ struct RayPacket {
 };
 
 /// `nearest_hit` of all active lanes.
-void nearest_hits(const SceneData& scene, RayPacket& packet);
+void nearest_hits(const SceneData& scene, RayPacket& packet, const RayTarget& target = {});
 
 }  // namespace recede::detail

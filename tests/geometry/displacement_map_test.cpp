@@ -50,6 +50,39 @@ TEST(DisplacementMap, EndsInItsBorderTexelsOrGoesOnAtTheOppositeSide) {
   EXPECT_EQ(periodic.derivative_at({0, .75}), Vec2(-2, -5));
 }
 
+TEST(DisplacementMap, HasSmoothSlopesOfCentralDifferencesBetweenWhichTheyAreBilinear) {
+  const DisplacementMap periodic(4, 1, {0, 1, 4, 9}, MapBorder::periodic);
+  const auto slope = [](const DisplacementMap& map, double u) {
+    return map.smooth_derivative_at({u, .5}).x() / 4;  // for a step of one texel
+  };
+  EXPECT_EQ(slope(periodic, .375), 2);   // of the second texel: from 0 to 4
+  EXPECT_EQ(slope(periodic, .625), 4);   // of the third
+  EXPECT_EQ(slope(periodic, .5), 3);     // between them
+  EXPECT_EQ(slope(periodic, .125), -4);  // of the first: from 9 on the other side to 1
+  EXPECT_EQ(slope(periodic, 1.375), 2);  // a period farther
+  EXPECT_EQ(slope(periodic, -.625), 2);
+  EXPECT_EQ(periodic.smooth_derivative_at({.5, .3}).y(), 0);  // one row goes on as itself
+  const DisplacementMap clamped(4, 1, {0, 1, 4, 9});
+  EXPECT_EQ(slope(clamped, .125), .5);  // from 0, which goes on, to 1
+  EXPECT_EQ(slope(clamped, -5), .25);   // beyond the first, half of that: what lies between it and no slope
+  // v grows upwards.
+  EXPECT_EQ(two_by_two(MapBorder::clamped).smooth_derivative_at({.25, .75}), Vec2(1, -2));
+}
+
+TEST(DisplacementMap, HasSmoothSlopesWithoutJumps) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> number(-1, 2);
+  for (const MapBorder border : k_borders) {
+    const DisplacementMap map(random_raster(13, 21, random), 2, 1, border);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec2 uv(number(random), number(random));
+      const Vec2 step = map.smooth_derivative_at(uv + Vec2(1e-9, -1e-9)) - map.smooth_derivative_at(uv);
+      // Slopes lie within 2 x 21, and change by twice that from texel to texel.
+      EXPECT_LT(step.norm(), 1e-9 * 21 * 2 * 2 * 42);
+    }
+  }
+}
+
 TEST(DisplacementMap, ScalesItsSamples) {
   const DisplacementMap map({2, 1, 1, 16, false, {0, 65535}}, 3, -1);
   EXPECT_EQ(map.texel(0, 0), -1);

@@ -1,0 +1,238 @@
+#include <recede/geometry/error.h>
+#include <recede/lod/displaced_base.h>
+#include <recede/render/appearance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace recede {
+namespace {
+
+/// Which texels' middles lie in a triangle of the surface, row by row.
+std::vector<bool> covered_texels(const PolygonSoup& surface, int columns, int rows) {
+  std::vector<bool> covered(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  std::vector<Index> corners;
+  triangulate(surface, nullptr, &corners);
+  const auto cross = [](const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); };
+  for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
+    std::array<Vec2, 3> places;  // in texels, whose middles are whole
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2& uv = surface.corner_uvs[corners[t + k]];
+      places[k] = Vec2(uv.x() * columns - 0.5, (1 - uv.y()) * rows - 0.5);
+    }
+    const double area = cross(places[1] - places[0], places[2] - places[0]);
+    if (area == 0) continue;
+    const Vec2 least = places[0].cwiseMin(places[1]).cwiseMin(places[2]);
+    const Vec2 most = places[0].cwiseMax(places[1]).cwiseMax(places[2]);
+    const auto inside = [](double coordinate, int count) {
+      return static_cast<int>(std::clamp(coordinate, 0.0, count - 1.0));
+    };
+    for (int y = inside(std::ceil(least.y()), rows); y <= inside(most.y(), rows); ++y) {
+      for (int x = inside(std::ceil(least.x()), columns); x <= inside(most.x(), columns); ++x) {
+        const Vec2 at(x, y);
+        const double first = cross(places[1] - at, places[2] - at) / area;
+        const double second = cross(places[2] - at, places[0] - at) / area;
+        if (first >= 0 && second >= 0 && first + second <= 1) {
+          covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(x)] = true;
+        }
+      }
+    }
+  }
+  return covered;
+}
+
+/// The map, its mirror images to the right and below, and below these the image of both: it has a period.
+DisplacementMap with_mirror_images(const DisplacementMap& map) {
+  std::vector<float> heights;
+  const int columns = map.columns(), rows = map.rows();
+  const auto mirrored = [](int k, int count) { return k < count ? k : 2 * count - 1 - k; };
+  for (int y = 0; y < 2 * rows; ++y) {
+    for (int x = 0; x < 2 * columns; ++x)
+      heights.push_back(static_cast<float>(map.texel(mirrored(x, columns), mirrored(y, rows))));
+  }
+  return DisplacementMap(2 * columns, 2 * rows, std::move(heights), MapBorder::periodic);
+}
+
+/// A coordinate of the map with its images as one of the map alone, and the sign of steps along it.
+std::pair<double, double> unfolded(double coordinate, bool first_is_lower) {
+  const double twice = 2 * coordinate;
+  const bool is_image = first_is_lower ? twice > 1 : twice < 1;
+  const double own = first_is_lower ? twice : twice - 1;
+  if (!is_image) return {own, 1};
+  return {first_is_lower ? 2 - own : -own, -1};
+}
+
+/// 0 for flat maps. `counted` by texel, row by row; empty: all.
+double wavelength_of(const DisplacementMap& map, const Vec2& sides, const std::vector<bool>& counted) {
+  const Vec2 steps = sides.cwiseQuotient(Vec2(map.columns(), map.rows()));
+  const auto counts = [&](int x, int y) {
+    return counted.empty() || counted[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.columns()) +
+                                      static_cast<std::size_t>(x)];
+  };
+  double count = 0, sum = 0, squares = 0, slopes = 0;
+  const double first = map.texel(0, 0);
+  for (int y = 0; y < map.rows(); ++y) {
+    for (int x = 0; x < map.columns(); ++x) {
+      const int right = map.column(x + 1), below = map.row(y + 1);
+      if (!counts(x, y) || !counts(right, y) || !counts(x, below)) continue;
+      const double height = map.texel(x, y) - first;  // small numbers keep their digits
+      count += 1;
+      sum += height;
+      squares += height * height;
+      slopes += Vec2(map.texel(right, y) - first - height, map.texel(x, below) - first - height)
+                    .cwiseQuotient(steps)
+                    .squaredNorm();
+    }
+  }
+  if (!(slopes > 0)) return 0;
+  return 2 * std::numbers::pi * std::sqrt(std::max(squares - sum * sum / count, 0.0) / slopes);
+}
+
+VisibleNormals normals_of_images(const DisplacementMap& map, const std::vector<bool>& covered,
+                                 const Vec2& sides, const std::function<Vec3(const Vec2&)>& normal_at,
+                                 VisibleNormalsOptions options, Progress* progress) {
+  if (std::find(covered.begin(), covered.end(), true) == covered.end())
+    throw InputError("the surface covers no texel of its map");
+  options.normal_at = [&](const Vec2& uv) -> std::optional<Vec3> {
+    const auto [u, u_sign] = unfolded(uv.x(), true);
+    const auto [v, v_sign] = unfolded(uv.y(), false);  // rows begin above, at v = 1
+    const int x = std::clamp(static_cast<int>(u * map.columns()), 0, map.columns() - 1);
+    const int y = std::clamp(static_cast<int>((1 - v) * map.rows()), 0, map.rows() - 1);
+    if (!covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.columns()) +
+                 static_cast<std::size_t>(x)])
+      return std::nullopt;
+    const Vec3 own = normal_at({u, v});
+    return Vec3(u_sign * own.x(), v_sign * own.y(), own.z());
+  };
+  const DisplacementMap images = with_mirror_images(map);
+  return sample_visible_normals(DisplacedPlane(images, 2 * sides), options, progress);
+}
+
+}  // namespace
+
+MapStretch measure_stretch(const PolygonSoup& surface) {
+  if (surface.corner_uvs.empty()) throw InputError("a surface without texture coordinates has no stretch");
+  std::vector<Index> corners;
+  triangulate(surface, nullptr, &corners);
+  Vec2 sums = Vec2::Zero(), squares = Vec2::Zero();
+  double area = 0;
+  for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
+    const auto side = [&](std::size_t k) {
+      return std::pair<Vec3, Vec2>(surface.positions[surface.corner_vertices[corners[t + k]]] -
+                                       surface.positions[surface.corner_vertices[corners[t]]],
+                                   surface.corner_uvs[corners[t + k]] - surface.corner_uvs[corners[t]]);
+    };
+    const auto [first, uv_first] = side(1);
+    const auto [second, uv_second] = side(2);
+    const double turn = uv_first.x() * uv_second.y() - uv_first.y() * uv_second.x();
+    const Vec2 lengths((uv_second.y() * first - uv_first.y() * second).norm() / std::abs(turn),
+                       (uv_first.x() * second - uv_second.x() * first).norm() / std::abs(turn));
+    const double weight = first.cross(second).norm() / 2;
+    if (!(weight > 0) || !lengths.allFinite()) continue;
+    area += weight;
+    sums += weight * lengths;
+    squares += weight * lengths.cwiseAbs2();
+  }
+  if (!(area > 0) || !(sums.minCoeff() > 0))
+    throw InputError("all texture coordinates of a surface lie on a line");
+  MapStretch stretch;
+  stretch.sides = sums / area;
+  const Vec2 variance = squares / area - stretch.sides.cwiseAbs2();
+  stretch.spread = variance.cwiseMax(0.0).cwiseSqrt().cwiseQuotient(stretch.sides);
+  return stretch;
+}
+
+double mean_wavelength(const DisplacementMap& map, const Vec2& sides) {
+  return wavelength_of(map, sides, {});
+}
+
+namespace {
+
+ReflectanceTableOptions from_below(ReflectanceTableOptions options) {
+  options.from_below = true;
+  return options;
+}
+
+}  // namespace
+
+Appearance::Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
+                       const ReflectanceTableOptions& reflectance)
+    : stretch_(stretch),
+      wavelength_(wavelength),
+      normals_(std::move(normals)),
+      bump_(normals_),
+      table_(make_reflectance_table(normals_, reflectance)),
+      from_below_(make_reflectance_table(normals_, from_below(reflectance))),
+      sampler_(table_) {
+  if (!stretch.sides.allFinite() || !(stretch.sides.minCoeff() > 0))
+    throw OptionError("the sides of a map are lengths greater than 0");
+  if (!(wavelength >= 0) || !std::isfinite(wavelength))
+    throw OptionError("a wavelength is a length, or 0 for a flat map");
+  for (std::size_t slice = 0; slice < normals_.slice_count(); ++slice) {
+    Vec3 mean = Vec3::Zero();
+    const std::span<const double> shares = normals_.slice(slice);
+    for (std::size_t bin = 0; bin < shares.size(); ++bin) mean += shares[bin] * normals_.normal_of_bin(bin);
+    mean_normals_.push_back(mean);
+  }
+}
+
+double Appearance::unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const {
+  if (toward_light.z() >= 0) return table_.value(toward_viewer, toward_light);
+  return from_below_.value(toward_viewer, {toward_light.x(), toward_light.y(), -toward_light.z()});
+}
+
+Vec3 Appearance::mean_normal(const Vec3& toward_viewer) const {
+  const double level = toward_viewer.head<2>().norm();
+  const double c = level > 0 ? toward_viewer.x() / level : 1, s = level > 0 ? toward_viewer.y() / level : 0;
+  const ViewMix mix = mix_for_view(normals_.views, normals_.azimuths,
+                                   std::atan2(level, std::max(toward_viewer.z(), 0.0)), std::atan2(s, c));
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(mix.count); ++k)
+    mean += mix.weights[k] * mean_normals_[mix.slices[k]];
+  return {c * mean.x() - s * mean.y(), s * mean.x() + c * mean.y(), mean.z()};
+}
+
+namespace {
+
+/// Of a map that isn't periodic.
+std::shared_ptr<const Appearance> appearance_of_images(const PolygonSoup& surface, const DisplacementMap& map,
+                                                       const MapStretch& stretch,
+                                                       const std::function<Vec3(const Vec2&)>& normal_at,
+                                                       const AppearanceOptions& options, Progress* progress) {
+  const std::vector<bool> covered = covered_texels(surface, map.columns(), map.rows());
+  VisibleNormals normals =
+      normals_of_images(map, covered, stretch.sides, normal_at, options.normals, progress);
+  return std::make_shared<const Appearance>(stretch, wavelength_of(map, stretch.sides, covered),
+                                            std::move(normals), options.reflectance);
+}
+
+}  // namespace
+
+std::shared_ptr<const Appearance> make_appearance(const PolygonSoup& surface, const DisplacementMap& map,
+                                                  const AppearanceOptions& options, Progress* progress) {
+  const MapStretch stretch = measure_stretch(surface);
+  if (map.border() == MapBorder::periodic) {
+    const DisplacedPlane plane(map, stretch.sides, PlaneNormals::smooth);
+    return std::make_shared<const Appearance>(stretch, wavelength_of(map, stretch.sides, {}),
+                                              sample_visible_normals(plane, options.normals, progress),
+                                              options.reflectance);
+  }
+  const auto normal_at = [&](const Vec2& uv) {
+    const Vec2 slope = map.smooth_derivative_at(uv).cwiseQuotient(stretch.sides);
+    return Vec3(Vec3(-slope.x(), -slope.y(), 1).normalized());
+  };
+  return appearance_of_images(surface, map, stretch, normal_at, options, progress);
+}
+
+std::shared_ptr<const Appearance> make_appearance(const BakedMaps& maps, const AppearanceOptions& options,
+                                                  Progress* progress) {
+  const DisplacementMap map = displacement_map_of(maps);
+  if (maps.normal.samples.empty()) return make_appearance(maps.surface, map, options, progress);
+  const auto normal_at = [&](const Vec2& uv) { return maps.normal_at(uv); };
+  return appearance_of_images(maps.surface, map, measure_stretch(maps.surface), normal_at, options, progress);
+}
+
+}  // namespace recede

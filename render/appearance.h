@@ -1,0 +1,86 @@
+// How one displaced surface looks as geometry, as a bump map and as a BRDF, so that all three agree.
+#pragma once
+
+#include <recede/geometry/polygon_soup.h>
+#include <recede/lod/displacement_bake.h>
+#include <recede/render/redistributed_bump.h>
+#include <recede/render/reflectance_table.h>
+
+#include <filesystem>
+#include <memory>
+
+namespace recede {
+
+/// How the texture coordinates of a surface stretch over it.
+struct MapStretch {
+  Vec2 sides = Vec2::Ones();   ///< lengths of steps of 1 in u and in v on the surface: means by area
+  Vec2 spread = Vec2::Zero();  ///< their standard deviations as shares of the means, by area
+};
+
+/// Triangles without area in the texture are left out. Throws `InputError` for a surface without texture
+/// coordinates or on which all of them lie on a line.
+MapStretch measure_stretch(const PolygonSoup& surface);
+
+/// The length of a typical wave of heights: 2 pi times the RMS of heights over that of slopes, for a sine its
+/// wavelength. In object units when `sides` are; 0 for a flat map.
+double mean_wavelength(const DisplacementMap& map, const Vec2& sides);
+
+struct AppearanceOptions {
+  VisibleNormalsOptions normals = {};
+  ReflectanceTableOptions reflectance = {};
+};
+
+/// What the renderer needs to draw a displaced surface by other methods than displacement. Slopes are those
+/// of heights over the mean stretch of the surface, in a frame of its normal and of the directions of u and
+/// v.
+class Appearance {
+ public:
+  /// Throws what `validate` throws, `OptionError` for options of the table out of range and for sides or a
+  /// wavelength that aren't finite or below 0.
+  Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
+             const ReflectanceTableOptions& reflectance = {});
+
+  const MapStretch& stretch() const { return stretch_; }
+  double wavelength() const { return wavelength_; }  ///< object units; 0: flat
+  const VisibleNormals& normals() const { return normals_; }
+  const RedistributedBump& bump() const { return bump_; }
+  const ReflectanceTable& table() const { return table_; }
+  const ReflectanceSampler& sampler() const { return sampler_; }
+
+  /// The mean of max(0, N.L) over the normals that are seen, for light from everywhere, as if nothing shaded
+  /// anything. Unit vectors in the frame of the surface.
+  double unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const;
+
+  /// The mean of the normals that are seen, at most 1 long. `toward_viewer` and the result are in the frame
+  /// of the surface.
+  Vec3 mean_normal(const Vec3& toward_viewer) const;
+
+ private:
+  MapStretch stretch_;
+  double wavelength_ = 0;
+  VisibleNormals normals_;
+  RedistributedBump bump_;
+  ReflectanceTable table_, from_below_;
+  ReflectanceSampler sampler_;
+  std::vector<Vec3> mean_normals_;  // by slice, in the viewer's frame
+};
+
+/// The appearances of heights over a surface. A map that isn't periodic is taken with its mirror images, and
+/// only texels that the surface covers count. Throws what `measure_stretch` and `sample_visible_normals`
+/// throw, and `Cancelled`.
+std::shared_ptr<const Appearance> make_appearance(const PolygonSoup& surface, const DisplacementMap& map,
+                                                  const AppearanceOptions& options = {},
+                                                  Progress* progress = nullptr);
+/// The same for baked maps; normals are those of the normal map where there is one.
+std::shared_ptr<const Appearance> make_appearance(const BakedMaps& maps,
+                                                  const AppearanceOptions& options = {},
+                                                  Progress* progress = nullptr);
+
+/// Writes all that `make_appearance` found as one file. No half-written file is ever seen. Throws
+/// `InputError`.
+void write_appearance(const std::filesystem::path& path, const Appearance& appearance);
+
+/// The same again, bit for bit. Throws `InputError` for anything that isn't one.
+std::shared_ptr<const Appearance> read_appearance(const std::filesystem::path& path);
+
+}  // namespace recede

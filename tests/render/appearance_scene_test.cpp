@@ -1,0 +1,259 @@
+#include "displaced_planes.h"
+#include "measured_radiance.h"
+#include "sanitized.h"
+#include "tiled_surfaces.h"
+#include <recede/geometry/error.h>
+#include <recede/render/appearance.h>
+#include <recede/render/image_difference.h>
+#include <recede/render/renderer.h>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace recede {
+namespace {
+
+constexpr double k_pi = std::numbers::pi;
+// Of the square with 16 x 16 maps of 32 x 32 texels: four small triangles to a side of a texel. At two, half
+// of the points lie between texels, where heights are means, and 0.6 % more of the slopes in their shade is
+// seen.
+constexpr int k_fine = 10;
+constexpr std::array k_fixed = {Representation::brdf, Representation::bump, Representation::displacement};
+
+Scene scene_of(const PolygonSoup& base, const DisplacementMap& map, int samples = 1 << 15,
+               std::optional<int> level = {}) {
+  AppearanceOptions appearance;
+  appearance.normals.samples = samples;
+  SceneOptions options;
+  options.appearance = make_appearance(base, map, appearance);
+  DisplacedMeshOptions displacement;
+  displacement.level = level;
+  return Scene(base, map, displacement, options);
+}
+
+/// The middle of the square from -1 to 1, as seen from `angle` off its normal.
+Camera camera_above(double angle, double distance = 4, int size = 24, double azimuth = 0.5) {
+  Camera camera;
+  camera.position = test::direction_at(angle, azimuth) * distance;
+  camera.up = Vec3::UnitZ();
+  camera.width = camera.height = size;
+  camera.field_of_view = 2 * std::atan(0.5 * std::cos(angle) / distance);
+  return camera;
+}
+
+double mean_of(const Image& image) {
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(pixel.sum()) / 3;
+  return sum / static_cast<double>(image.pixels.size());
+}
+
+/// Tables are means over azimuths, and no map looks the same from all.
+double mean_from_around(const Scene& scene, double angle, double distance, const RenderOptions& options) {
+  constexpr int k_azimuths = 24;
+  double sum = 0;
+  for (int i = 0; i < k_azimuths; ++i)
+    sum += mean_of(render(scene, camera_above(angle, distance, 40, 2 * k_pi * i / k_azimuths), options));
+  return sum / k_azimuths;
+}
+
+/// One lamp at infinity, and nothing else.
+RenderOptions lit_by(const Vec3& toward_in_camera, int samples) {
+  RenderOptions options;
+  options.samples_per_pixel = samples;
+  options.camera_light = {
+      .toward = toward_in_camera, .lamp = Rgb::Ones(), .sky = Rgb::Constant(0.1f), .ground = Rgb::Zero()};
+  return options;
+}
+
+TEST(AppearanceScene, IsAsBrightByTheTableAsByTheBumpMapAndByDisplacement) {
+  if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
+  // So many copies of the map that those which a picture cuts off don't count.
+  const PolygonSoup square = test::tiled_square(16);
+  for (const DisplacementMap& map : {test::random_waves(1, 0.005), test::rough_ground(2, 0.0025)}) {
+    const Scene scene = scene_of(square, map, 1 << 17, k_fine);
+    for (const double angle : {0.3, 0.8, 1.3}) {
+      for (const Vec3& lamp : {Vec3(-0.55, 0.75, 0.8), Vec3(0.3, 0.9, 0.1)}) {
+        RenderOptions options = lit_by(lamp, 4);
+        std::array<double, 3> means{};
+        for (std::size_t k = 0; k < 3; ++k) {
+          options.representation = k_fixed[k];
+          means[k] = mean_from_around(scene, angle, 4, options);
+        }
+        // The goal of the transitions.
+        EXPECT_NEAR(means[0] / means[2], 1, 0.005) << angle;
+        EXPECT_NEAR(means[1] / means[2], 1, 0.005) << angle;
+      }
+    }
+  }
+}
+
+TEST(AppearanceScene, StaysAsBrightWhileDisplacementGrows) {
+  if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
+  const Scene scene = scene_of(test::tiled_square(16), test::random_waves(1, 0.005), 1 << 17, k_fine);
+  const double angle = 1.2;
+  RenderOptions options = lit_by({-0.3, 0.9, -0.2}, 4);
+  options.representation = Representation::displacement;
+  const double displaced = mean_from_around(scene, angle, 40, options);
+  options.representation = Representation::automatic;
+  const auto& [e1, e2, e3, e4] = k_transition_values;
+  for (const double share : {0.01, 0.25, 0.5, 0.75, 0.99}) {
+    // From 40 away, T is nearly the same all over the square.
+    const double value = e3 + share * (e4 - e3);
+    options.transition =
+        TransitionOptions{.unit = 40 * (value * (std::cos(angle) + 0.1) + 5), .threshold = 5};
+    EXPECT_NEAR(mean_from_around(scene, angle, 40, options) / displaced, 1, 0.005) << share;
+  }
+  for (const double share : {0.01, 0.5, 0.99}) {
+    const double value = e1 + share * (e2 - e1);
+    options.transition =
+        TransitionOptions{.unit = 40 * (value * (std::cos(angle) + 0.1) + 5), .threshold = 5};
+    EXPECT_NEAR(mean_from_around(scene, angle, 40, options) / displaced, 1, 0.005) << share;
+  }
+}
+
+TEST(AppearanceScene, AutomaticIsDisplacementNearbyAndTheTableFarAway) {
+  const Scene scene = scene_of(test::tiled_torus(24, 12, 4), test::random_waves(1, 0.05), 2048);
+  Camera camera;
+  camera.position = {0, -3, 2};
+  camera.width = camera.height = test::k_sanitized ? 40 : 120;
+  RenderOptions options;
+  const auto picture = [&](Representation representation, double distance) {
+    options.representation = representation;
+    options.transition = transition_around(distance);
+    return render(scene, camera, options);
+  };
+  const Image displaced = picture(Representation::displacement, 1), table = picture(Representation::brdf, 1);
+  EXPECT_EQ(picture(Representation::automatic, 100).pixels, displaced.pixels);
+  EXPECT_EQ(picture(Representation::automatic, 0.1).pixels, table.pixels);
+  EXPECT_EQ(picture(Representation::automatic, 0).pixels, table.pixels);
+  EXPECT_GT(compare_images(displaced, table).rmse, 0.02);
+}
+
+TEST(AppearanceScene, TheEnvelopeHidesNothingThatStandsOut) {
+  // All that is seen is nearer than 3.9, up to where all is displaced; the far side isn't, so that the
+  // envelope is asked.
+  const Scene scene = scene_of(test::tiled_torus(24, 12, 2), test::random_waves(5, 0.15), 2048);
+  Camera camera;
+  camera.position = {0, -2.2, 1.8};
+  camera.width = camera.height = test::k_sanitized ? 40 : 160;
+  RenderOptions options;
+  options.representation = Representation::displacement;
+  const Image displaced = render(scene, camera, options);
+  options.representation = Representation::automatic;
+  options.transition = TransitionOptions{.unit = 0.39, .threshold = -1};
+  EXPECT_EQ(render(scene, camera, options).pixels, displaced.pixels);
+}
+
+TEST(AppearanceScene, AnEyeBetweenEnvelopeAndHeightsSeesHeights) {
+  const DisplacementMap map = test::map_of(32, [](double u, double) { return u < 0.5 ? 0.0 : 0.4; });
+  const Scene scene = scene_of(test::tiled_square(1), map, 2048);
+  Camera camera;
+  camera.position = {-0.5, 0, 0.2};  // over the low half, below the envelope
+  camera.target = {1, 0.01, 0.15};   // the step
+  camera.up = Vec3::UnitZ();
+  camera.width = camera.height = 32;
+  RenderOptions options;
+  options.representation = Representation::displacement;
+  const Image displaced = render(scene, camera, options);
+  options.representation = Representation::automatic;
+  options.transition = transition_around(0.3);
+  EXPECT_EQ(render(scene, camera, options).at(16, 16), displaced.at(16, 16));
+  EXPECT_NE(displaced.at(16, 16), options.background);
+}
+
+TEST(AppearanceScene, FalseColoursTellTheMethod) {
+  const Scene scene = scene_of(test::tiled_square(1), test::random_waves(1, 0.02), 2048);
+  const Camera camera = camera_above(0, 4, 8);
+  RenderOptions options;
+  options.show_methods = true;
+  const auto color_at = [&](double value) {
+    // T = value at the distance 4, seen straight.
+    options.transition = TransitionOptions{.unit = 4 * (value * 1.1 + 3), .threshold = 3};
+    const Rgb color = render(scene, camera, options).at(4, 4);
+    return Vec3((color / color.sum()).cast<double>());
+  };
+  // The eye sees a square of half a unit at 4: cosines of 0.99 and distances within 1 %, so T within 0.04.
+  EXPECT_LT((color_at(-1.2) - Vec3(1, 0, 0)).norm(), 1e-6);
+  EXPECT_LT((color_at(-0.65) - Vec3(0.5, 0, 0.5)).norm(), 0.1);
+  EXPECT_LT((color_at(0) - Vec3(0, 0, 1)).norm(), 1e-6);
+  EXPECT_LT((color_at(0.65) - Vec3(0, 0.5, 0.5)).norm(), 0.1);
+  EXPECT_LT((color_at(1.2) - Vec3(0, 1, 0)).norm(), 1e-6);
+}
+
+TEST(AppearanceScene, LightOfTheSceneFallsOnAllMethodsAlike) {
+  if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
+  // So low that bumps shade each other little, which tables without shadows don't know.
+  const Scene scene = scene_of(test::tiled_square(16), test::random_waves(1, 0.0025), 1 << 16);
+  RenderOptions options;
+  options.samples_per_pixel = 4;
+  options.transport = LightTransport::direct;
+  options.lighting = {};
+  options.lighting.ambient = 0;
+  options.lighting.directionals.push_back({.toward = {0.4, -0.3, 0.8}, .irradiance = Rgb::Constant(3)});
+  std::array<double, 3> means{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    options.representation = k_fixed[k];
+    means[k] = mean_from_around(scene, 0.9, 4, options);
+  }
+  EXPECT_NEAR(means[0] / means[2], 1, 0.01);
+  EXPECT_NEAR(means[1] / means[2], 1, 0.01);
+  EXPECT_GT(means[2], 0.3);
+}
+
+TEST(AppearanceScene, DrawnAndFoundLightHaveOneMeanOnTables) {
+  // An environment that is bright on one side: rays to it and rays that the table draws must agree.
+  const Scene scene = scene_of(test::tiled_square(4), test::random_waves(1, 0.02), 1 << 14);
+  Image sky(16, 8, Rgb::Constant(0.2f));
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 3; x < 6; ++x) sky.at(x, y) = Rgb::Constant(4.0f);
+  }
+  for (const Representation representation : {Representation::brdf, Representation::automatic}) {
+    std::array<MeasuredRadiance, 3> found;
+    for (std::size_t k = 0; k < 3; ++k) {
+      RenderOptions options =
+          direct_light({.environment = EnvironmentLight{.radiance = sky, .up = Vec3::UnitZ()}});
+      options.light_sampling =
+          std::array{LightSampling::both, LightSampling::lights, LightSampling::surface}[k];
+      options.representation = representation;
+      // Halfway between table and bump map at the distance 4, seen from 1 off the normal.
+      options.transition = TransitionOptions{.unit = 4 * (-0.65 * (std::cos(1.0) + 0.1) + 3), .threshold = 3};
+      found[k] = measure_radiance(scene, test::direction_at(1, 0.5) * 4, {0.01, 0.02, 0}, options,
+                                  test::k_sanitized ? 64 : 4096);
+    }
+    for (std::size_t k = 1; k < 3; ++k)
+      EXPECT_NEAR(found[k].mean, found[0].mean, found[k].tolerance() + found[0].tolerance());
+  }
+}
+
+TEST(AppearanceScene, HasTheSameBytesForAnyNumberOfThreads) {
+  const Scene scene = scene_of(test::tiled_torus(24, 12, 4), test::random_waves(1, 0.05), 2048);
+  Camera camera;
+  camera.position = {0, -3, 2};
+  camera.width = camera.height = 64;
+  RenderOptions options;
+  options.transport = LightTransport::path;
+  options.lighting = daylight(Vec3::UnitZ());
+  options.samples_per_pixel = 2;
+  options.transition = transition_around(3);
+  const Image first = render(scene, camera, options);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(render(scene, camera, options).pixels, first.pixels);
+}
+
+TEST(AppearanceScene, RefusesTransitionsThatCantBe) {
+  const Scene scene = scene_of(test::tiled_square(1), test::random_waves(1, 0.02), 512);
+  RenderOptions options;
+  options.transition = TransitionOptions{.silhouette = 0};
+  EXPECT_THROW(render(scene, camera_above(0), options), OptionError);
+  options.transition = TransitionOptions{.threshold = NAN};
+  EXPECT_THROW(render(scene, camera_above(0), options), OptionError);
+  EXPECT_THROW(transition_around(-1), OptionError);
+  EXPECT_THROW(transition_around(INFINITY), OptionError);
+  EXPECT_THROW(transition_for_wavelength(1, 0), OptionError);
+}
+
+}  // namespace
+}  // namespace recede
