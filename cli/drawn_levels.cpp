@@ -154,6 +154,11 @@ Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
   return heat_map(picture.sample_counts(), options_.samples);
 }
 
+std::optional<PictureShares> Drawn::methods_of(const Camera& camera, std::size_t level) const {
+  if (!options_.appearance || !scenes_[level] || !has_heights(level)) return {};
+  return count_methods(*scenes_[level], camera, rendering_);
+}
+
 bool Drawn::has_heights(std::size_t level) const {
   const std::optional<BakedMaps>& maps = hierarchy_.levels[level].maps;
   return heights_ || (maps && !maps->displacement.samples.empty());

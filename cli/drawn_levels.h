@@ -7,6 +7,7 @@
 #include <recede/lod/displaced_base.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/render/appearance.h>
+#include <recede/render/method_shares.h>
 #include <recede/render/progressive_render.h>
 
 #include <filesystem>
@@ -53,6 +54,8 @@ class Drawn {
   /// The level for a camera, from the one that was shown before.
   std::size_t choose(const Camera& camera, std::optional<std::size_t> before) const;
   Image draw(const Camera& camera, std::size_t level, Progress* progress);
+  /// By which methods it was drawn; with `--appearance`, for levels with heights.
+  std::optional<PictureShares> methods_of(const Camera& camera, std::size_t level) const;
   /// How a level comes into the picture.
   Displacement method_of(std::size_t level) const;
 

@@ -26,12 +26,38 @@ struct RenderCommandOptions : DrawnOptions {
   std::optional<double> until_distance;
 };
 
+/// From near to far, with the names of the options.
+constexpr std::pair<RenderingMethod, const char*> k_methods[] = {
+    {RenderingMethod::displacement, "displacement"},
+    {RenderingMethod::bump_to_displacement, "bump_to_displacement"},
+    {RenderingMethod::bump, "bump"},
+    {RenderingMethod::brdf_to_bump, "brdf_to_bump"},
+    {RenderingMethod::brdf, "brdf"}};
+
+Json methods_to_json(const std::optional<PictureShares>& shares) {
+  if (!shares) return nullptr;
+  Json methods;
+  for (const auto& [method, name] : k_methods) methods[name] = shares->of(method);
+  return methods;
+}
+
+void print_methods(const std::optional<PictureShares>& shares) {
+  if (!shares) return;
+  std::string text;
+  for (const auto& [method, name] : k_methods) {
+    if (shares->of(method) > 0)
+      text += fmt::format("{}{} {:.3g} %", text.empty() ? "" : ", ", name, 100 * shares->of(method));
+  }
+  fmt::print("methods      {}\n", text.empty() ? "none" : text);
+}
+
 Json frame_to_json(const Drawn& drawn, const fs::path& file, const Camera& camera, std::size_t level) {
   const auto point = [](const Vec3& p) { return Json{p.x(), p.y(), p.z()}; };
   return {{"file", file.string()},
           {"level", level},
           {"faces", drawn.n_faces(level)},
           {"displacement", std::string(name_of(drawn.method_of(level)))},
+          {"methods", methods_to_json(drawn.methods_of(camera, level))},
           {"error_bound", drawn.hierarchy().levels[level].error.bound},
           {"eye", point(camera.position)},
           {"look_at", point(camera.target)}};
@@ -57,7 +83,9 @@ void run_render(const RenderCommandOptions& options) {
     document["seconds"] = seconds_since(start);
     return print_json(document);
   }
-  fmt::print("level        {}, {} faces\nwritten      {}\n", level, drawn.n_faces(level), options.output);
+  fmt::print("level        {}, {} faces\n", level, drawn.n_faces(level));
+  print_methods(drawn.methods_of(camera, level));
+  fmt::print("written      {}\n", options.output);
 }
 
 /// Turns around the target, and goes away evenly in proportion when there is a last distance.

@@ -80,5 +80,7 @@ void bind_images(py::module_& m);
 void bind_maps(py::module_& m);
 /// Adds diced views.
 void bind_dicing(py::module_& m);
+/// How displaced surfaces look from afar.
+void bind_appearance(py::module_& m);
 
 }  // namespace recede::python

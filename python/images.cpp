@@ -1,4 +1,5 @@
 // Pictures of meshes, picture files, and differences of pictures for Python.
+#include "appearance.h"
 #include "baked_maps.h"
 #include "calls.h"
 #include "numpy_arrays.h"
@@ -149,6 +150,16 @@ RenderOptions read_rendering(const py::dict& from, const Vec3& up) {
   read(from, "ambient", options.lighting.ambient);
   read(from, "bounces", options.max_bounces);
   read(from, "noise", options.noise);
+  read_choice<Representation>(from, "representation",
+                              {{"auto", Representation::automatic},
+                               {"brdf", Representation::brdf},
+                               {"bump", Representation::bump},
+                               {"displacement", Representation::displacement}},
+                              options.representation);
+  std::optional<double> distance;
+  read(from, "transition_distance", distance);
+  if (distance) options.transition = transition_around(*distance);
+  read(from, "show_methods", options.show_methods);
   return options;
 }
 
@@ -189,6 +200,8 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
   read(from, "ground", ground);
   if (flat) shading.crease_angle = 0;
   if (ground) shading.ground = Ground{.up = up};
+  if (!from["appearance"].is_none())
+    shading.appearance = from["appearance"].cast<const SharedAppearance&>().appearance;
   DisplacedMeshOptions displacement;
   read(from, "subdivision_level", displacement.level);
   const Drawn drawn = read_drawn(surface, from);

@@ -399,6 +399,7 @@ PYBIND11_MODULE(_recede, m) {
   bind_progressive(m);
   bind_maps(m);
   bind_dicing(m);
+  bind_appearance(m);
   bind_images(m);
   m.def("set_threads", &set_threads);
 }

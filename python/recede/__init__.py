@@ -25,6 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._recede import (
+    Appearance,
     Atlas,
     BakedMaps,
     BakeResult,
@@ -51,11 +52,11 @@ from ._recede import (
 from . import _recede
 
 __all__ = [
-    "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
+    "Appearance", "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
     "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material",
     "Mesh", "OneSidedDistance", "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep",
     "SelectiveMesh", "SimplifyResult", "Subdivision", "bake", "bake_maps", "build_progressive", "compare", "dice", "diff",
-    "make_atlas", "make_displaced_sphere", "make_teapot", "read", "read_image", "render", "set_threads", "simplify",
+    "make_appearance", "make_atlas", "make_displaced_sphere", "make_teapot", "read", "read_appearance", "read_image", "render", "set_threads", "simplify",
     "simplify_levels", "subdivide", "write", "write_image",
 ]
 
@@ -399,6 +400,32 @@ def dice(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, eye:
     return _recede.dice(surface, height, eye, look_at, settings, progress)
 
 
+def make_appearance(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, periodic: bool = False, bins: int = 31,
+                    views: int = 31, azimuths: int = 1, samples: int = 131_072, progress: Progress | None = None) -> Appearance:
+    """How heights look from afar: what `render` needs to draw them by a bump map and a table that are as bright.
+
+    `surface` are baked maps, or a mesh with texture coordinates and `height`, an array of rows x columns lengths along its
+    normals, row 0 on top, which `periodic` repeats; else it is taken with its mirror images. For `views` polar angles
+    `samples` rays find which normals are seen, in `bins` x `bins` of equal solid angles; the mean over all azimuths, or for
+    each of `azimuths`. Takes seconds.
+
+    The result has `sides` (lengths of the map's sides on the surface, object units), `stretch_spread`, `wavelength` (of a
+    typical wave of heights, object units), `brightness(toward_viewer, toward_light)` (the mean of the cosine of the light over
+    the normals that are seen, without shadows; vectors in the frame of the surface: along u, along v, its normal) and
+    `write(path)`; `read_appearance` reads that. Raises `InputError` for surfaces without texture coordinates and `OptionError`
+    for what is out of range.
+    """
+    if not isinstance(surface, Mesh if height is not None else BakedMaps):
+        raise TypeError("make_appearance takes baked maps, or a mesh and its heights")
+    settings = {"periodic": periodic, "bins": bins, "views": views, "azimuths": azimuths, "samples": samples}
+    return _recede.make_appearance(surface, height, settings, progress)
+
+
+def read_appearance(path: Path) -> Appearance:
+    """What `Appearance.write` or `recede bake --appearance` wrote. Raises `InputError` for anything else."""
+    return _recede.read_appearance(path)
+
+
 def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = None, tolerance: float | None = None,
               creases: Sequence[tuple[int, int, float]] = (), corners: Sequence[tuple[int, float]] = (),
               crease_angle: float | None = None, crease_sharpness: float = 10, feature_sharpness: float = 0,
@@ -522,7 +549,8 @@ def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, ey
            samples: int = 16, wireframe: bool = False, flat: bool = False, ground: bool = False,
            lighting: str = "camera", lights: Sequence[Light] | None = None, ambient: float = 0.1, bounces: int = 4,
            noise: float = 0, light_sampling: str = "both", periodic: bool = False, subdivision_level: int | None = None,
-           progress: Progress | None = None) -> np.ndarray:
+           appearance: Appearance | None = None, representation: str = "auto", transition_distance: float | None = None,
+           show_methods: bool = False, progress: Progress | None = None) -> np.ndarray:
     """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
 
     Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
@@ -539,6 +567,11 @@ def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, ey
     traced without tessellation: every triangle stands for 4 to the power of `subdivision_level` small ones (None: about
     two to a texel).
 
+    With the `appearance` of these heights (`make_appearance`) they are drawn by what each ray needs: displacement, and
+    from farther away a bump map and then a table; `representation` "brdf", "bump" or "displacement" takes one of them
+    for all. Methods change around `transition_distance` from the camera, object units (None: where a wave of heights
+    covers two pixels). `show_methods` gives false colours: green is displacement, blue the bump map, red the table.
+
     Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read, for maps without
     heights and for a mesh without texture coordinates.
     """
@@ -547,7 +580,10 @@ def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, ey
     options = {"lighting": lighting, "lights": None if lights is None else _lights(lights), "ambient": ambient,
                "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
                "wireframe": wireframe, "flat": flat, "ground": ground, "height": height, "periodic": periodic,
-               "subdivision_level": subdivision_level}
+               "subdivision_level": subdivision_level, "appearance": appearance, "representation": representation,
+               "transition_distance": transition_distance, "show_methods": show_methods}
+    if appearance is not None and height is None and not isinstance(surface, BakedMaps):
+        raise TypeError("an appearance is that of heights, and there are none")
     if not isinstance(surface, (Mesh, BakedMaps)) or (height is not None and not isinstance(surface, Mesh)):
         raise TypeError("render takes baked maps, a mesh, or a mesh and its heights")
     return _recede.render(surface, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)

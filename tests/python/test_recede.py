@@ -285,6 +285,44 @@ def test_dice_refuses_what_it_cannot_dice():
         recede.dice(square_with_uvs(), flat, eye=(0, 0, 3), image_width=0)
 
 
+def test_appearances_draw_heights_by_what_a_view_needs(tmp_path):
+    base = square_with_uvs()
+    height = 0.02 * np.sin(np.arange(16) * np.pi / 4)[None, :].repeat(16, 0)
+    few = {"bins": 15, "views": 9, "samples": 2048}
+    appearance = recede.make_appearance(base, height, periodic=True, **few)
+    assert appearance.sides == pytest.approx([1, 1])
+    assert appearance.wavelength == pytest.approx(0.5, rel=0.05)
+    assert 0.5 < appearance.brightness((0, 0, 1), (0, 0, 2)) < 1
+    view = {"eye": (0.5, 0.5, 2), "look_at": (0.5, 0.5, 0), "image_width": 32, "image_height": 32, "periodic": True,
+            "appearance": appearance}
+    table = recede.render(base, height, representation="brdf", **view)
+    assert np.array_equal(recede.render(base, height, transition_distance=0.01, **view), table)
+    assert np.abs(recede.render(base, height, representation="displacement", **view) - table).max() > 0.05
+    red = recede.render(base, height, representation="brdf", show_methods=True, **view)[16, 16]
+    assert red[0] > 0.5 and red[1] == red[2] == 0
+
+    appearance.write(tmp_path / "waves.appearance")
+    again = recede.read_appearance(tmp_path / "waves.appearance")
+    assert again.wavelength == appearance.wavelength
+    with pytest.raises(recede.InputError, match="no appearance"):
+        (tmp_path / "other").write_bytes(b"nothing of the kind")
+        recede.read_appearance(tmp_path / "other")
+
+    sphere = recede.make_displaced_sphere(2000)
+    maps = recede.bake_maps(sphere, recede.simplify(sphere, ratio=0.1).mesh, map_size=32)
+    assert recede.render(maps, appearance=recede.make_appearance(maps, **few), image_width=16, image_height=16).shape == (16, 16, 3)
+    with pytest.raises(TypeError, match="maps"):
+        recede.make_appearance(base)
+    with pytest.raises(TypeError, match="heights"):
+        recede.render(base, appearance=appearance)
+    with pytest.raises(recede.OptionError, match="bins"):
+        recede.make_appearance(base, height, bins=0)
+    with pytest.raises(recede.OptionError, match="auto, brdf"):
+        recede.render(base, height, representation="magic", appearance=appearance)
+    with pytest.raises(recede.OptionError, match="distance"):
+        recede.render(base, height, transition_distance=-1, appearance=appearance)
+
+
 def test_images_are_arrays_of_linear_light(tmp_path):
     image = np.random.default_rng(3).random((5, 7, 3), dtype=np.float32)
     recede.write_image(tmp_path / "a.exr", image)
