@@ -159,13 +159,14 @@ ReflectanceTableOptions from_below(ReflectanceTableOptions options) {
 }  // namespace
 
 Appearance::Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
-                       const ReflectanceTableOptions& reflectance)
+                       const AppearanceOptions& options)
     : stretch_(stretch),
       wavelength_(wavelength),
       normals_(std::move(normals)),
-      bump_(normals_),
-      table_(make_reflectance_table(normals_, reflectance)),
-      from_below_(make_reflectance_table(normals_, from_below(reflectance))),
+      bump_(normals_, options.redistribution),
+      redistributes_(options.redistribute),
+      table_(make_reflectance_table(normals_, options.reflectance)),
+      from_below_(make_reflectance_table(normals_, from_below(options.reflectance))),
       sampler_(table_) {
   if (!stretch.sides.allFinite() || !(stretch.sides.minCoeff() > 0))
     throw OptionError("the sides of a map are lengths greater than 0");
@@ -206,7 +207,7 @@ std::shared_ptr<const Appearance> appearance_of_images(const PolygonSoup& surfac
   VisibleNormals normals =
       normals_of_images(map, covered, stretch.sides, normal_at, options.normals, progress);
   return std::make_shared<const Appearance>(stretch, wavelength_of(map, stretch.sides, covered),
-                                            std::move(normals), options.reflectance);
+                                            std::move(normals), options);
 }
 
 }  // namespace
@@ -218,7 +219,7 @@ std::shared_ptr<const Appearance> make_appearance(const PolygonSoup& surface, co
     const DisplacedPlane plane(map, stretch.sides, PlaneNormals::smooth);
     return std::make_shared<const Appearance>(stretch, wavelength_of(map, stretch.sides, {}),
                                               sample_visible_normals(plane, options.normals, progress),
-                                              options.reflectance);
+                                              options);
   }
   const auto normal_at = [&](const Vec2& uv) {
     const Vec2 slope = map.smooth_derivative_at(uv).cwiseQuotient(stretch.sides);

@@ -28,6 +28,10 @@ double mean_wavelength(const DisplacementMap& map, const Vec2& sides);
 struct AppearanceOptions {
   VisibleNormalsOptions normals = {};
   ReflectanceTableOptions reflectance = {};
+  RedistributionOptions redistribution = {};
+  /// False: bump maps have their own normals from everywhere, which isn't as bright as displacement; for
+  /// comparison.
+  bool redistribute = true;
 };
 
 /// What the renderer needs to draw a displaced surface by other methods than displacement. Slopes are those
@@ -38,12 +42,15 @@ class Appearance {
   /// Throws what `validate` throws, `OptionError` for options of the table out of range and for sides or a
   /// wavelength that aren't finite or below 0.
   Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
-             const ReflectanceTableOptions& reflectance = {});
+             const AppearanceOptions& options = {});
 
   const MapStretch& stretch() const { return stretch_; }
   double wavelength() const { return wavelength_; }  ///< object units; 0: flat
   const VisibleNormals& normals() const { return normals_; }
-  const RedistributedBump& bump() const { return bump_; }
+  /// As `RedistributedBump::normal_for_view`.
+  Vec3 bump_normal(const Vec3& own, const Vec3& toward_viewer, double displaced = 0) const {
+    return redistributes_ ? bump_.normal_for_view(own, toward_viewer, displaced) : own;
+  }
   const ReflectanceTable& table() const { return table_; }
   const ReflectanceSampler& sampler() const { return sampler_; }
 
@@ -60,6 +67,7 @@ class Appearance {
   double wavelength_ = 0;
   VisibleNormals normals_;
   RedistributedBump bump_;
+  bool redistributes_ = true;
   ReflectanceTable table_, from_below_;
   ReflectanceSampler sampler_;
   std::vector<Vec3> mean_normals_;  // by slice, in the viewer's frame

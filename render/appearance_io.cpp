@@ -66,7 +66,7 @@ std::shared_ptr<const Appearance> read_appearance(const std::filesystem::path& p
   try {
     return std::make_shared<const Appearance>(
         stretch, lengths[4], std::move(normals),
-        ReflectanceTableOptions{.light_angles = counts[3], .light_azimuths = counts[4]});
+        AppearanceOptions{.reflectance = {.light_angles = counts[3], .light_azimuths = counts[4]}});
   } catch (const InputError& error) {
     throw InputError::in_file(name, error.what());
   }

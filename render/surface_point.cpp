@@ -51,7 +51,7 @@ void set_appearance(const DisplacedLook& look, const Hit& base_hit, const Vec3f&
   if (seen.table.share < 1) {
     Vec3 normal = appearances.bump_normal(frame.uv, look.surface.map);
     if (shares.displaced < 1 && is_front)
-      normal = appearances.appearance().bump().normal_for_view(normal, toward_viewer, shares.displaced);
+      normal = appearances.appearance().bump_normal(normal, toward_viewer, shares.displaced);
     seen.normal = frame.to_world(normal).cast<float>();
   } else {
     seen.normal = frame.normal.cast<float>();

@@ -77,7 +77,7 @@ TEST(Appearance, OfAFlatMapIsThatOfAFlatSurface) {
   // Of 31 angles, linear in between: a quarter of the square of half a step.
   EXPECT_NEAR(appearance->unshadowed(viewer, light), std::cos(0.7), 4e-4);
   EXPECT_EQ(appearance->unshadowed(viewer, {0.6, 0, -0.8}), 0);
-  EXPECT_LT((appearance->bump().normal_for_view(Vec3::UnitZ(), viewer) - Vec3::UnitZ()).norm(), 1e-9);
+  EXPECT_LT((appearance->bump_normal(Vec3::UnitZ(), viewer) - Vec3::UnitZ()).norm(), 1e-9);
 }
 
 TEST(Appearance, LampsWithoutShadowsLightSlopesBeyondTheHorizon) {
@@ -156,7 +156,7 @@ TEST(Appearance, TakesSpikesAndWallsAndMapsOfOneTexel) {
       EXPECT_TRUE(appearance->mean_normal(viewer).allFinite());
       const double value = appearance->unshadowed(viewer, test::direction_at(1, 0));
       EXPECT_TRUE(value >= 0 && value <= 1) << value;
-      EXPECT_NEAR(appearance->bump().normal_for_view(Vec3::UnitZ(), viewer).norm(), 1, 1e-9);
+      EXPECT_NEAR(appearance->bump_normal(Vec3::UnitZ(), viewer).norm(), 1, 1e-9);
     }
   }
 }

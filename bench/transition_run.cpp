@@ -1,0 +1,244 @@
+#include "transition_run.h"
+
+#include "transition_scene.h"
+#include <recede/render/image_difference.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace recede::bench {
+namespace {
+
+constexpr int k_size = 360, k_samples = 4, k_reference_samples = 256;
+
+template <class Work>
+double median_seconds(std::size_t repeats, const Work& work) {
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i < repeats; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2),
+                   seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+Image reference_of(const TransitionScene& scene, const Camera& camera) {
+  return draw(scene.scene, camera,
+              {.representation = Representation::displacement, .samples = k_reference_samples});
+}
+
+struct NamedView {
+  const char* name;
+  Camera camera;
+};
+
+std::vector<NamedView> views_of(const TransitionScene& scene, int size) {
+  return {{"1", camera_at(scene, 1, size)},
+          {"10", camera_at(scene, 10, size)},
+          {"0.3 to 2, along the surface", camera_along(scene, 2, size)}};
+}
+
+/// The dissertation's table 8.1: seconds for a picture by each method, from three places.
+std::string method_table(const TransitionScene& scene, const TransitionScene& plain, std::size_t repeats) {
+  struct Method {
+    const char* name;
+    const Scene& scene;
+    DrawnBy by;
+  };
+  const Method methods[] = {
+      {"base alone", scene.bare, {}},
+      {"table (`brdf`)", scene.scene, {.representation = Representation::brdf}},
+      {"bump map as it is", plain.scene, {.representation = Representation::bump}},
+      {"redistributed bump map", scene.scene, {.representation = Representation::bump}},
+      {"displacement everywhere", scene.scene, {.representation = Representation::displacement}},
+      {"**transitions** (`auto`)", scene.scene, {.representation = Representation::automatic}}};
+  const std::vector<NamedView> views = views_of(scene, k_size);
+  std::string head = "| seconds ; RMSE |", line = "|---|";
+  std::vector<Image> references;
+  for (const NamedView& view : views) {
+    head += fmt::format(" {} |", view.name);
+    line += "---|";
+    references.push_back(reference_of(scene, view.camera));
+  }
+  std::string rows;
+  std::vector<double> displaced(views.size()), automatic(views.size());
+  for (const Method& method : methods) {
+    rows += fmt::format("| {} |", method.name);
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      Image image;
+      const double seconds =
+          median_seconds(repeats, [&] { image = draw(method.scene, views[v].camera, method.by); });
+      if (method.by.representation == Representation::displacement) displaced[v] = seconds;
+      if (method.by.representation == Representation::automatic) automatic[v] = seconds;
+      rows += fmt::format(" {:.4f} ; {:.4f} |", seconds, compare_images(image, references[v]).rmse);
+    }
+    rows += "\n";
+  }
+  rows += "| displacement over transitions |";
+  for (std::size_t v = 0; v < views.size(); ++v)
+    rows += fmt::format(" {:.2f} |", displaced[v] / automatic[v]);
+  return head + "\n" + line + "\n" + rows + "\n";
+}
+
+/// Figure 8.3: moving away.
+std::string distance_table(const TransitionScene& scene, std::size_t repeats) {
+  std::string rows;
+  for (const double distance : {0.3, 0.5, 0.65, 0.75, 0.9, 1.0, 1.2, 1.6, 2.2, 4.0, 10.0}) {
+    const Camera camera = camera_at(scene, distance, k_size);
+    const Image reference = reference_of(scene, camera);
+    const auto measured = [&](Representation representation) {
+      Image image;
+      const double seconds = median_seconds(
+          repeats, [&] { image = draw(scene.scene, camera, {.representation = representation}); });
+      return std::pair(seconds, compare_images(image, reference).rmse);
+    };
+    const auto [automatic, error] = measured(Representation::automatic);
+    const auto [displaced, displaced_error] = measured(Representation::displacement);
+    const PictureShares shares = count_methods(scene.scene, camera);
+    const double all = 1 - shares.background;
+    const auto percent = [&](RenderingMethod method) { return 100 * shares.of(method) / all; };
+    rows += fmt::format(
+        "| {} | {:.3f} | {:.3f} | {:.2f} | {:.4f} | {:.4f} | {:.0f} ; {:.0f} ; {:.0f} ; {:.0f} ; {:.0f} |\n",
+        distance, automatic, displaced, displaced / automatic, error, displaced_error,
+        percent(RenderingMethod::displacement), percent(RenderingMethod::bump_to_displacement),
+        percent(RenderingMethod::bump), percent(RenderingMethod::brdf_to_bump),
+        percent(RenderingMethod::brdf));
+  }
+  return "| distance | seconds | displacement everywhere | ratio | RMSE | displacement's | displacement ; "
+         "growing "
+         "; bump ; blended ; table, % |\n|---|---|---|---|---|---|---|\n" +
+         rows;
+}
+
+/// Figure 8.4: the same view with methods that change elsewhere.
+std::string threshold_table(const TransitionScene& scene, std::size_t repeats) {
+  const Camera camera = camera_along(scene, 2, k_size);
+  const double two_pixels = scene.two_pixels(camera);
+  std::string rows;
+  for (const double share : {0.1, 0.3, 0.5, 1.0, 2.0, 4.0, 100.0}) {
+    const DrawnBy by{.transition = transition_around(share * two_pixels)};
+    const double seconds = median_seconds(repeats, [&] { draw(scene.scene, camera, by); });
+    const PictureShares shares = count_methods(scene.scene, camera, {.transition = by.transition});
+    const double all = 1 - shares.background;
+    rows += fmt::format(
+        "| {} | {:.4f} | {:.0f} | {:.0f} | {:.0f} |\n", share, seconds,
+        100 * (shares.of(RenderingMethod::displacement) + shares.of(RenderingMethod::bump_to_displacement)) /
+            all,
+        100 * shares.of(RenderingMethod::bump) / all,
+        100 * (shares.of(RenderingMethod::brdf) + shares.of(RenderingMethod::brdf_to_bump)) / all);
+  }
+  return "| `--transition-distance`, in units of the automatic one | seconds | displaced or growing, % | "
+         "bump, % | table, "
+         "pure or blended, % |\n|---|---|---|---|---|\n" +
+         rows;
+}
+
+double light_of(const Image& image) {
+  double sum = 0;
+  for (const Rgb& pixel : image.pixels) sum += static_cast<double>(pixel.sum());
+  return sum;
+}
+
+/// Light of the whole object over a way through all methods, relative to displacement, frame by frame.
+std::string way_table(const TransitionScene& scene, const TransitionScene& plain) {
+  constexpr int k_frames = 48, k_way_size = 200;
+  constexpr double k_from = 0.45, k_to = 2.6, k_unit = 8;
+  struct Way {
+    const char* name;
+    std::vector<double> ratios;
+  };
+  Way ways[] = {
+      {"**transitions**", {}}, {"bump maps as they are", {}}, {"hard changes at the middle distances", {}}};
+  for (int frame = 0; frame < k_frames; ++frame) {
+    const double distance = k_from * std::pow(k_to / k_from, static_cast<double>(frame) / (k_frames - 1));
+    Camera camera = camera_at(scene, 3 / k_unit, k_way_size);  // two pixels cover a wave at k_unit
+    camera.position = camera.target + distance * k_unit * (camera.position - camera.target).normalized();
+    const double reference =
+        light_of(draw(scene.scene, camera, {.representation = Representation::displacement, .samples = 16}));
+    const auto ratio = [&](const TransitionScene& drawn, Representation representation) {
+      return light_of(draw(drawn.scene, camera, {.representation = representation, .samples = 16})) /
+             reference;
+    };
+    ways[0].ratios.push_back(ratio(scene, Representation::automatic));
+    ways[1].ratios.push_back(ratio(plain, Representation::automatic));
+    const Representation hard = distance < 0.75  ? Representation::displacement
+                                : distance < 1.5 ? Representation::bump
+                                                 : Representation::brdf;
+    ways[2].ratios.push_back(ratio(plain, hard));
+  }
+  std::string rows;
+  for (const Way& way : ways) {
+    double step = 0, off = 0;
+    for (std::size_t i = 0; i < way.ratios.size(); ++i) {
+      if (i > 0) step = std::max(step, std::abs(way.ratios[i] - way.ratios[i - 1]));
+      off = std::max(off, std::abs(way.ratios[i] - 1));
+    }
+    rows += fmt::format("| {} | {:.2f} | {:.2f} |\n", way.name, 100 * step, 100 * off);
+  }
+  return "| | largest step between frames, % | farthest from displacement, % |\n|---|---|---|\n" + rows;
+}
+
+/// From so far that waves are smaller than pixels: how pixels flicker while the camera creeps on, and how far
+/// one sample is from a picture of many.
+std::string noise_table(const TransitionScene& scene) {
+  constexpr int k_frames = 16, k_noise_size = 160;
+  std::string rows;
+  for (const double distance : {1.6, 2.5, 4.0}) {
+    const auto camera_of = [&](int frame) {
+      Camera camera = camera_at(scene, distance, k_noise_size);
+      camera.position += 0.002 * frame * Vec3(1, 0.3, -0.2);
+      return camera;
+    };
+    const Image reference = reference_of(scene, camera_of(0));
+    for (const auto& [name, by] :
+         {std::pair("displacement, 1 sample", DrawnBy{Representation::displacement, 1}),
+          std::pair("displacement, 4 samples", DrawnBy{Representation::displacement, 4}),
+          std::pair("displacement, 16 samples", DrawnBy{Representation::displacement, 16}),
+          std::pair("**transitions, 1 sample**", DrawnBy{Representation::automatic, 1})}) {
+      std::vector<double> sums(reference.pixels.size()), squares(reference.pixels.size());
+      double error = 0;
+      for (int frame = 0; frame < k_frames; ++frame) {
+        const Image image = draw(scene.scene, camera_of(frame), by);
+        if (frame == 0) error = compare_images(image, reference).rmse;
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          const auto value = static_cast<double>(image.pixels[i].x());
+          sums[i] += value;
+          squares[i] += value * value;
+        }
+      }
+      double variance = 0, inside = 0;
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        // Borders of the object come and go with any method.
+        if (squares[i] == 0 || sums[i] < 0.25 * k_frames) continue;
+        variance += squares[i] / k_frames - std::pow(sums[i] / k_frames, 2);
+        ++inside;
+      }
+      rows += fmt::format("| {} | {} | {:.4f} | {:.2e} |\n", distance, name, error, variance / inside);
+    }
+  }
+  return "| distance | | RMSE of a picture | variance of a pixel over frames |\n|---|---|---|---|\n" + rows;
+}
+
+}  // namespace
+
+std::string transition_tables(const BenchOptions& options) {
+  const TransitionScene scene;
+  const TransitionScene plain({.redistribute = false});
+  std::string tables = fmt::format(
+      "Distances are in units of that at which a wave covers two pixels; {} x {} pixels, {} "
+      "samples; RMSE against {} samples of displacement.\n\n",
+      k_size, k_size, k_samples, k_reference_samples);
+  tables += method_table(scene, plain, options.repeats) + "\n";
+  tables += distance_table(scene, options.repeats) + "\n";
+  tables += threshold_table(scene, options.repeats) + "\n";
+  tables += way_table(scene, plain) + "\n";
+  tables += noise_table(scene);
+  return tables;
+}
+
+}  // namespace recede::bench
