@@ -1,25 +1,12 @@
+#include <recede/lod/detail/map_surface.h>
 #include <recede/render/detail/appearance_look.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace recede::detail {
-namespace {
-
-BakedMaps maps_over(const PolygonSoup& base, std::vector<Vec3> normals, const BakedMaps& maps) {
-  BakedMaps over = maps;
-  over.surface = base;
-  over.surface.corner_normals = std::move(normals);
-  if (over.corner_tangents.empty()) over.corner_tangents = tangents_of(over.surface);
-  over.displacement = {};
-  over.float_displacement = {};
-  over.color = {};
-  return over;
-}
-
-}  // namespace
-
 MethodShares shares_of(const RenderingTransition& transition) {
   switch (transition.method) {
     case RenderingMethod::brdf:
@@ -38,27 +25,55 @@ MethodShares shares_of(const RenderingTransition& transition) {
 
 AppearanceLook::AppearanceLook(const PolygonSoup& base, std::vector<Vec3> normals, const BakedMaps& maps,
                                std::shared_ptr<const Appearance> appearance)
-    : maps_(maps_over(base, std::move(normals), maps)),
-      triangles_(maps_),
-      appearance_(std::move(appearance)) {}
+    : appearance_(std::move(appearance)) {
+  std::vector<Vec4> tangents = maps.corner_tangents;
+  if (tangents.empty()) {
+    PolygonSoup shaded = base;
+    shaded.corner_normals = normals;
+    tangents = tangents_of(shaded);
+  }
+  std::vector<Index> corners;
+  triangulate(base, nullptr, &corners);
+  triangles_.resize(corners.size() / 3);
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    Triangle& triangle = triangles_[c / 3];
+    const Index corner = corners[c];
+    triangle.normals[c % 3] = normals[corner].cast<float>();
+    triangle.tangents[c % 3] = tangents[corner].head<3>().cast<float>();
+    triangle.uvs[c % 3] = base.corner_uvs[corner].cast<float>();
+    triangle.side = tangents[corner].w() < 0 ? -1.0f : 1.0f;
+  }
+  normal_map_.size = maps.size;
+  normal_map_.normal = maps.normal;
+  normal_map_.float_normal = maps.float_normal;
+}
+
+Vec3 AppearanceLook::normal_at(std::uint32_t triangle, const Vec3& weights) const {
+  const Triangle& at = triangles_[triangle];
+  const Eigen::Vector3f w = weights.cast<float>();
+  const Eigen::Vector3f sum = w.x() * at.normals[0] + w.y() * at.normals[1] + w.z() * at.normals[2];
+  const float squared = sum.squaredNorm();
+  return squared > 1e-12f ? Vec3((sum / std::sqrt(squared)).cast<double>())
+                          : Vec3(at.normals[0].cast<double>());
+}
 
 SurfaceFrame AppearanceLook::frame_at(std::uint32_t triangle, const Vec3& weights) const {
-  const MapPlace place = triangles_.at(triangle, weights);
+  const Triangle& at = triangles_[triangle];
+  const Eigen::Vector3f w = weights.cast<float>();
   SurfaceFrame frame;
-  frame.normal = place.normal;
-  frame.along_u = (place.tangent - place.normal.dot(place.tangent) * place.normal).stableNormalized();
-  if (frame.along_u.isZero(0)) frame.along_u = place.normal.unitOrthogonal();
-  frame.along_v = place.normal.cross(frame.along_u);
-  // Charts may be mirrored.
-  if (frame.along_v.dot(place.bitangent) < 0) frame.along_v = -frame.along_v;
-  frame.uv = Vec2::Zero();
-  for (std::size_t k = 0; k < 3; ++k)
-    frame.uv += weights[static_cast<Eigen::Index>(k)] * triangles_.uv(triangle, k);
+  frame.normal = normal_at(triangle, weights);
+  const Vec3 tangent =
+      (w.x() * at.tangents[0] + w.y() * at.tangents[1] + w.z() * at.tangents[2]).cast<double>();
+  const Vec3 across = tangent - frame.normal.dot(tangent) * frame.normal;
+  const double squared = across.squaredNorm();
+  frame.along_u = squared > 1e-12 ? Vec3(across / std::sqrt(squared)) : Vec3(frame.normal.unitOrthogonal());
+  frame.along_v = static_cast<double>(at.side) * frame.normal.cross(frame.along_u);
+  frame.uv = (w.x() * at.uvs[0] + w.y() * at.uvs[1] + w.z() * at.uvs[2]).cast<double>();
   return frame;
 }
 
 Vec3 AppearanceLook::bump_normal(const Vec2& uv, const DisplacementMap& heights) const {
-  if (!maps_.normal.samples.empty()) return maps_.normal_at(uv);
+  if (!normal_map_.normal.samples.empty()) return normal_map_.normal_at(uv);
   const Vec2 slope = heights.smooth_derivative_at(uv).cwiseQuotient(appearance_->stretch().sides);
   return Vec3(-slope.x(), -slope.y(), 1).normalized();
 }

@@ -13,9 +13,11 @@ bool needs_displacement(const RenderingTransition& transition) {
          transition.method == RenderingMethod::bump_to_displacement;
 }
 
-Vec3f origin_of(const RayPacket& packet, int lane) {
-  const RTCRay16& ray = packet.rays.ray;
-  return {ray.org_x[lane], ray.org_y[lane], ray.org_z[lane]};
+/// For what has no heights to show.
+void keep_on_base(SeenSurface& surface) {
+  if (!surface.transition || !needs_displacement(*surface.transition)) return;
+  surface.transition = {RenderingMethod::bump, 0};
+  surface.shares = shares_of(*surface.transition);
 }
 
 /// An eye on the surface itself has no distance.
@@ -74,10 +76,14 @@ void SeenSurfaces::find(const RayPacket& packet, Block& seen) const {
     nearest = std::min(nearest, packet.entry[lane]);
     farthest = std::max(farthest, packet.entry[lane]);
   }
-  if (static_cast<double>(nearest) >= far_ * scene_.scale) return find_on_base(packet, Lanes::all(), seen);
+  if (static_cast<double>(nearest) >= far_ * scene_.scale) {
+    find_on_base(packet, Lanes::all(), seen);
+    for (SeenSurface& surface : seen) keep_on_base(surface);
+    return;
+  }
   if (static_cast<double>(farthest) + 2 * scene_.radius <= near_ * scene_.scale)
     return find_displaced(packet, Lanes::all(), seen);
-  find_by_envelope(packet, seen);
+  find_by_method(packet, seen);
 }
 
 /// By the base, or by the envelope.
@@ -93,10 +99,14 @@ RenderingTransition SeenSurfaces::transition_at(const Hit& hit, const Vec3f& dir
     const double u = static_cast<double>(hit.u), v = static_cast<double>(hit.v);
     weights = {1 - u - v, u, v};
   }
-  const SurfaceFrame frame = look_->frame_at(triangle, weights);
-  const double cosine = std::min(1.0, -frame.normal.dot(direction.cast<double>()));
+  const double cosine = std::min(1.0, -look_->normal_at(triangle, weights).dot(direction.cast<double>()));
   const double distance = (to_origin + static_cast<double>(hit.distance)) / scene_.scale;
-  return rendering_transition(value_at(distance, cosine, transition_));
+  RenderingTransition transition = rendering_transition(value_at(distance, cosine, transition_));
+  // In steps too small to be seen, so that neighbouring rays may go together.
+  constexpr double k_steps = 32;
+  if (transition.method == RenderingMethod::bump_to_displacement)
+    transition.progress = std::max(1.0, std::round(transition.progress * k_steps)) / k_steps;
+  return transition;
 }
 
 /// What rays meet that leave other surfaces: the heights where they would be seen as such at that distance.
@@ -137,57 +147,104 @@ void SeenSurfaces::find_on_base(const RayPacket& packet, const Lanes& lanes, Blo
       continue;
     }
     surface.transition = transition_at(surface.hit, packet.directions[lane], to_origin);
-    // The envelope, a little nearer, asked for no displacement.
-    if (needs_displacement(*surface.transition)) surface.transition = {RenderingMethod::bump, 0};
     surface.shares = shares_of(*surface.transition);
   }
 }
 
-void SeenSurfaces::find_by_envelope(const RayPacket& packet, Block& seen) const {
-  RayPacket envelope = packet;
-  nearest_hits(scene_, envelope, {.shape = SurfaceShape::envelope});
-  Lanes displaced, on_base;
+void SeenSurfaces::find_by_method(const RayPacket& packet, Block& seen) const {
+  find_on_base(packet, Lanes::all(), seen);
+  Lanes open;
+  Distances entries;  // no farther than that the ray is in the envelope
   for (int lane = 0; lane < k_lanes; ++lane) {
-    SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
-    surface = {};
-    surface.is_there = envelope.hits(lane);
-    // An eye near the surface may lie below the envelope of an open one, and see past it.
-    if (!surface.is_there && packet.active[lane] != 0 && packet.entry[lane] == 0) displaced.choose(lane);
-    if (!surface.is_there) continue;
-    surface.hit = envelope.hit(lane);
-    const auto to_origin = static_cast<double>(packet.entry[lane]);
-    if (!is_appearance(surface.hit)) {
-      surface.shares = shares_beside((to_origin + static_cast<double>(surface.hit.distance)) / scene_.scale);
-      continue;
-    }
-    surface.transition = transition_at(surface.hit, packet.directions[lane], to_origin);
-    if (surface.transition->method == RenderingMethod::displacement) displaced.choose(lane);
-    if (!needs_displacement(*surface.transition)) on_base.choose(lane);
+    const auto i = static_cast<std::size_t>(lane);
+    const SeenSurface& surface = seen[i];
+    entries[i] = surface.is_there ? surface.hit.distance : std::numeric_limits<float>::infinity();
+    // What lies before it is nearer still.
+    const bool is_displaced =
+        surface.transition && surface.transition->method == RenderingMethod::displacement;
+    if (packet.active[lane] != 0 && !is_displaced) open.choose(lane);
+  }
+  if (open.any()) choose_by_envelope(packet, open, seen, entries);
+  Lanes displaced, growing;
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    const SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
+    if (!surface.transition || !needs_displacement(*surface.transition)) continue;
+    (surface.transition->method == RenderingMethod::displacement ? displaced : growing).choose(lane);
   }
   if (displaced.any()) find_displaced(packet, displaced, seen);
-  if (on_base.any()) find_on_base(packet, on_base, seen);
+  if (growing.any()) find_growing(packet, growing, seen);
+  // A ray that goes much farther than heights are deep may have come out again, and met another part of the
+  // surface, which has a method of its own.
+  constexpr float k_deep = 8;
   for (int lane = 0; lane < k_lanes; ++lane) {
-    SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
-    if (!envelope.hits(lane) || on_base[lane] || !is_appearance(envelope.hit(lane))) continue;
-    if (!displaced[lane]) find_partial(packet, lane, surface);
-    // A ray that goes much farther than heights are deep may have come out again, and met another part of the
-    // surface, which has a method of its own.
-    constexpr float k_deep = 8;
-    const Hit entry = envelope.hit(lane);
-    if (surface.is_there && surface.hit.distance > entry.distance + k_deep * span_)
-      follow(packet, lane, entry, surface);
+    const auto i = static_cast<std::size_t>(lane);
+    if ((displaced[lane] || growing[lane]) && seen[i].hit.distance > entries[i] + k_deep * span_)
+      follow(packet, lane, seen[i]);
   }
 }
 
-/// A surface that grows out of its base.
-void SeenSurfaces::find_partial(const RayPacket& packet, int lane, SeenSurface& surface) const {
-  const RenderingTransition transition = *surface.transition;
-  surface.shares = shares_of(transition);
-  const Ray ray{.origin = origin_of(packet, lane),
-                .direction = packet.directions[lane],
-                .target = {.fraction = static_cast<float>(surface.shares.displaced)}};
-  surface.is_there = nearest_hit(scene_, ray, surface.hit);
-  if (surface.is_there && !is_appearance(surface.hit)) surface.transition.reset();
+/// What `seen` has of the base stays, but for rays that need the heights.
+void SeenSurfaces::choose_by_envelope(const RayPacket& packet, const Lanes& lanes, Block& seen,
+                                      Distances& entries) const {
+  RayPacket own = lanes.of(packet);
+  const auto far = static_cast<float>(far_ * scene_.scale);
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    const SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
+    // Beyond, nothing is displaced.
+    float& end = own.rays.ray.tfar[lane];
+    end = std::min(end, far - packet.entry[lane]);
+    if (surface.is_there) end = std::min(end, surface.hit.distance);
+    if (!(end > 0)) own.active[lane] = 0;
+  }
+  nearest_hits(scene_, own, {.shape = SurfaceShape::envelope});
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    if (!lanes[lane]) continue;
+    SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
+    std::optional<RenderingTransition> transition;
+    if (own.hits(lane) && is_appearance(own.hit(lane))) {
+      entries[static_cast<std::size_t>(lane)] = own.hit(lane).distance;
+      transition =
+          transition_at(own.hit(lane), packet.directions[lane], static_cast<double>(packet.entry[lane]));
+    } else if (!surface.is_there && packet.entry[lane] == 0) {
+      // An eye near the surface may lie below the envelope of an open one, and see past it.
+      transition.emplace();
+    }
+    if (transition && needs_displacement(*transition)) {
+      surface.transition = transition;
+      surface.shares = shares_of(*transition);
+    } else {
+      keep_on_base(surface);  // by the base it would just begin, by the envelope not yet
+    }
+  }
+}
+
+/// A surface that grows out of its base, as far as `seen` has it. Rays for equal parts go together.
+void SeenSurfaces::find_growing(const RayPacket& packet, const Lanes& lanes, Block& seen) const {
+  Lanes left = lanes;
+  while (left.any()) {
+    const auto first = static_cast<std::size_t>(std::find(left.chosen.begin(), left.chosen.end(), true) -
+                                                left.chosen.begin());
+    const RenderingTransition transition = *seen[first].transition;
+    Lanes alike;
+    for (int lane = 0; lane < k_lanes; ++lane) {
+      const auto i = static_cast<std::size_t>(lane);
+      if (!left.chosen[i] || seen[i].transition->progress != transition.progress) continue;
+      alike.choose(lane);
+      left.chosen[i] = false;
+    }
+    RayPacket own = alike.of(packet);
+    nearest_hits(scene_, own, {.fraction = static_cast<float>(transition.progress)});
+    for (int lane = 0; lane < k_lanes; ++lane) {
+      if (!alike[lane]) continue;
+      SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
+      surface = {};
+      surface.is_there = own.hits(lane);
+      if (!surface.is_there) continue;
+      surface.hit = own.hit(lane);
+      surface.shares = shares_of(transition);
+      if (is_appearance(surface.hit)) surface.transition = transition;
+    }
+  }
 }
 
 /// The next hit of the envelope beyond one of it. `distance` and `origin` stay those of the ray.
@@ -205,12 +262,16 @@ bool SeenSurfaces::next_on_envelope(const Hit& before, const Vec3f& direction, H
 
 /// `surface` is what the heights have along the ray. Where the ray leaves the envelope before that and enters
 /// it again, the method is that of the place where it does.
-void SeenSurfaces::follow(const RayPacket& packet, int lane, const Hit& first_entry,
-                          SeenSurface& surface) const {
+void SeenSurfaces::follow(const RayPacket& packet, int lane, SeenSurface& surface) const {
   constexpr int k_most_entries = 8;
   const Vec3f& direction = packet.directions[lane];
+  const RTCRay16& from = packet.rays.ray;
   const auto to_origin = static_cast<double>(packet.entry[lane]);
-  Hit entry = first_entry, exit, next;
+  const Ray whole{.origin = {from.org_x[lane], from.org_y[lane], from.org_z[lane]},
+                  .direction = direction,
+                  .target = {.shape = SurfaceShape::envelope}};
+  Hit entry, exit, next;
+  if (!nearest_hit(scene_, whole, entry) || !is_appearance(entry)) return;
   for (int i = 0; i < k_most_entries && surface.is_there && is_appearance(surface.hit); ++i) {
     if (!next_on_envelope(entry, direction, exit) || surface.hit.distance <= exit.distance) return;
     if (!next_on_envelope(exit, direction, next)) return;
@@ -222,6 +283,7 @@ void SeenSurfaces::follow(const RayPacket& packet, int lane, const Hit& first_en
       Block seen;
       find_on_base(packet, alone, seen);
       surface = seen[static_cast<std::size_t>(lane)];
+      keep_on_base(surface);
       return;
     }
     const Ray ray{.origin = exit.origin + exit.distance * direction,

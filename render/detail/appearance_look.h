@@ -2,7 +2,6 @@
 // and the frames in which bump maps and tables hold.
 #pragma once
 
-#include <recede/lod/detail/map_surface.h>
 #include <recede/render/appearance.h>
 #include <recede/render/rendering_transition.h>
 
@@ -32,18 +31,25 @@ class AppearanceLook {
   /// its shading. `maps` may be empty but for a normal map.
   AppearanceLook(const PolygonSoup& base, std::vector<Vec3> normals, const BakedMaps& maps,
                  std::shared_ptr<const Appearance> appearance);
-  AppearanceLook(const AppearanceLook&) = delete;
-  AppearanceLook& operator=(const AppearanceLook&) = delete;
 
   /// `weights` of the corners of a triangle of `triangulate(base)`.
   SurfaceFrame frame_at(std::uint32_t triangle, const Vec3& weights) const;
+  /// The frame's normal alone.
+  Vec3 normal_at(std::uint32_t triangle, const Vec3& weights) const;
   /// The normal of the bump map in the frame of the surface, whose heights are `heights`.
   Vec3 bump_normal(const Vec2& uv, const DisplacementMap& heights) const;
   const Appearance& appearance() const { return *appearance_; }
 
  private:
-  BakedMaps maps_;
-  MapTriangles triangles_;
+  /// What interpolation needs of a triangle, side by side in memory.
+  struct Triangle {
+    Eigen::Vector3f normals[3], tangents[3];
+    Eigen::Vector2f uvs[3];
+    float side;  ///< 1, or -1 where the map is mirrored
+  };
+
+  std::vector<Triangle> triangles_;
+  BakedMaps normal_map_;  // no more than that
   std::shared_ptr<const Appearance> appearance_;
 };
 

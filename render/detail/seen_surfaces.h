@@ -19,9 +19,10 @@ struct SeenSurface {
   MethodShares shares = {};
 };
 
-/// The method is chosen where a ray meets the envelope of all heights, so that none that could be hit is
-/// missed. Displacement then needs a second ray to the heights, and so do the other methods to the base; rays
-/// too far or too near for a choice go there at once.
+/// Rays meet the base first. Those that are so near that heights might be seen as such look for the envelope
+/// of all heights before it, which chooses the method: so none that could be hit is missed. Displacement then
+/// needs another ray, to the heights. Where all is too far or too near for a choice, the base or the heights
+/// are enough.
 class SeenSurfaces {
  public:
   /// The scene must live as long as this. Throws `OptionError` for transitions that can't be.
@@ -39,10 +40,12 @@ class SeenSurfaces {
 
   void find_displaced(const RayPacket& packet, const Lanes& lanes, Block& seen) const;
   void find_on_base(const RayPacket& packet, const Lanes& lanes, Block& seen) const;
-  void find_by_envelope(const RayPacket& packet, Block& seen) const;
-  void find_partial(const RayPacket& packet, int lane, SeenSurface& surface) const;
+  void find_by_method(const RayPacket& packet, Block& seen) const;
+  using Distances = std::array<float, k_lanes>;
+  void choose_by_envelope(const RayPacket& packet, const Lanes& lanes, Block& seen, Distances& entries) const;
+  void find_growing(const RayPacket& packet, const Lanes& lanes, Block& seen) const;
   bool next_on_envelope(const Hit& before, const Vec3f& direction, Hit& next) const;
-  void follow(const RayPacket& packet, int lane, const Hit& entry, SeenSurface& surface) const;
+  void follow(const RayPacket& packet, int lane, SeenSurface& surface) const;
 
   const SceneData& scene_;
   Representation representation_;
