@@ -123,12 +123,15 @@ Seen seen_plain(const Surface& surface, double view_angle) {
 
 TEST(RedistributedBump, ShowsTheNormalsOfTheDisplacedSurfaceFromEveryAngle) {
   const Surface& surface = smooth_waves();
+  const RedistributedBump searching(surface.normals, {.exact = true});
   for (const double degrees : {0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0}) {
     const Seen displaced = seen_displaced(surface, degrees * k_degree);
-    const double distance = total_variation(
-        seen_redistributed(surface, surface.bump, degrees * k_degree).shares, displaced.shares);
-    // The bound of the claim. Chance alone puts a hundredth into wrong bins, so there is little room.
-    EXPECT_LE(distance, 0.03) << degrees;
+    for (const RedistributedBump* bump : {&surface.bump, &searching}) {
+      const double distance =
+          total_variation(seen_redistributed(surface, *bump, degrees * k_degree).shares, displaced.shares);
+      // The bound of the claim. Chance alone puts a hundredth into wrong bins, so there is little room.
+      EXPECT_LE(distance, 0.03) << degrees << (bump == &searching ? " by search" : " by grids");
+    }
   }
 }
 
@@ -261,14 +264,46 @@ TEST(RedistributedBump, LeadsThereAndBack) {
 }
 
 TEST(RedistributedBump, TurnsWithTheViewer) {
-  // Isotropic tables don't know where u points: turning normal and viewer turns the result.
-  const RedistributedBump& bump = smooth_waves().bump;
+  // Isotropic tables don't know where u points: turning normal and viewer turns the result. Steps of the
+  // grids are rounded to floats.
+  const RedistributedBump searching(smooth_waves().normals, {.exact = true});
   const Vec3 normal = Vec3(0.2, -0.1, 1).normalized();
-  const Vec3 expected = bump.normal_for_view(normal, test::direction_at(1.2, 0));
-  EXPECT_LT((expected - bump.redistribute(normal, 1.2)).norm(), 1e-12);
-  for (const double azimuth : {0.3, 2.0, 5.0}) {
-    const Vec3 result = bump.normal_for_view(test::turned(normal, azimuth), test::direction_at(1.2, azimuth));
-    EXPECT_LT((result - test::turned(expected, azimuth)).norm(), 1e-9) << azimuth;
+  for (const auto& [bump, tolerance] : {std::pair(&searching, 1e-9), std::pair(&smooth_waves().bump, 1e-6)}) {
+    const Vec3 expected = bump->normal_for_view(normal, test::direction_at(1.2, 0));
+    for (const double azimuth : {0.3, 2.0, 5.0}) {
+      const Vec3 result =
+          bump->normal_for_view(test::turned(normal, azimuth), test::direction_at(1.2, azimuth));
+      EXPECT_LT((result - test::turned(expected, azimuth)).norm(), tolerance) << azimuth;
+    }
+  }
+}
+
+TEST(RedistributedBump, SearchesInShadingWhatItRedistributes) {
+  const Surface& surface = smooth_waves();
+  const RedistributedBump searching(surface.normals, {.exact = true});
+  test::for_seen_normals(
+      surface.plane, 0.5, 2000, [&](const Vec3& normal, double, const DisplacedPlane::Hit&) {
+        for (const double angle : {0.0, 0.02, 0.7, 1.3, 1.57}) {
+          const Vec3 searched = searching.normal_for_view(normal, test::direction_at(angle, 0));
+          // The ninth digit of places on the square, which bins with few normals magnify.
+          ASSERT_LT((searched - searching.redistribute(normal, angle)).norm(), 1e-6) << angle;
+        }
+      });
+}
+
+TEST(RedistributedBump, LooksUpInGridsAboutWhatItSearches) {
+  const Surface& surface = smooth_waves();
+  for (const double angle : {0.0, 0.4, 0.8, 1.2, 1.4}) {
+    double squares = 0;
+    constexpr int k_count = 5000;
+    test::for_places(surface.plane, k_count, [&](const Vec2& place, double azimuth) {
+      const Vec3 normal = surface.plane.normal_at(place.cwiseQuotient(surface.sides));
+      const Vec3 found = surface.bump.normal_for_view(normal, test::direction_at(angle, azimuth));
+      const Vec3 searched = surface.bump.redistribute(test::turned(normal, -azimuth), angle);
+      squares += (test::turned(found, -azimuth) - searched).squaredNorm();
+    });
+    // A bin is 0.08 wide, and a normal may jump by one between rows, where grids go across.
+    EXPECT_LT(std::sqrt(squares / k_count), 0.012) << angle;
   }
 }
 
