@@ -1,6 +1,9 @@
 // What agreeing appearances cost: their tables, and lookups in them beside plain bump mapping.
+#include <recede/render/diffuse_scattering.h>
+#include <recede/render/open_ellipses.h>
 #include <recede/render/redistributed_bump.h>
 #include <recede/render/reflectance_table.h>
+#include <recede/render/scattering_table.h>
 
 #include <benchmark/benchmark.h>
 
@@ -32,8 +35,8 @@ const DisplacementMap& waves(int size) {
     }
     return DisplacementMap(texels, texels, std::vector<float>(sums.begin(), sums.end()), MapBorder::periodic);
   };
-  static const DisplacementMap small = make(32), large = make(512);
-  return size == 32 ? small : large;
+  static const DisplacementMap small = make(32), middle = make(128), large = make(512);
+  return size == 32 ? small : size == 128 ? middle : large;
 }
 
 const VisibleNormals& normals_of_waves() {
@@ -124,6 +127,66 @@ void shade_displaced(benchmark::State& state, int size) {
   });
 }
 
+/// Scatter textures of 100 directions, as the source has them.
+HeightFieldVisibility visibility_of_waves(int size) {
+  return compute_visibility(DisplacedPlane(waves(size), {1, 1}), {.directions = 100});
+}
+
+void see_places(benchmark::State& state, int size) {
+  for (auto _ : state) benchmark::DoNotOptimize(visibility_of_waves(size));
+  state.SetItemsProcessed(state.iterations() * size * size * 100);
+}
+
+void fit_ellipses(benchmark::State& state, int size) {
+  const HeightFieldVisibility visibility = visibility_of_waves(size);
+  for (auto _ : state) benchmark::DoNotOptimize(fit_open_ellipses(visibility));
+  state.SetItemsProcessed(state.iterations() * size * size);
+}
+
+/// Light from all places to all others once.
+void pass_light(benchmark::State& state, int size) {
+  const DiffuseTransport transport(visibility_of_waves(size));
+  const std::vector<double> light(transport.place_count(), 1.0);
+  std::vector<double> next(light.size());
+  for (auto _ : state) {
+    transport.gather(light, 1, next);
+    benchmark::DoNotOptimize(next.data());
+  }
+}
+
+/// The default: 32 x 31 x 64 pairs of directions, four orders, 64 x 64 places at most.
+void make_scattering(benchmark::State& state, int size) {
+  const DisplacedPlane plane(waves(size), {1, 1});
+  for (auto _ : state) benchmark::DoNotOptimize(make_scattering_table(plane));
+}
+
+void shade_shadowed_bump(benchmark::State& state, int size) {
+  const DisplacedPlane plane(waves(size), {1, 1});
+  const OpenEllipses ellipses = fit_open_ellipses(visibility_of_waves(size));
+  look_up(state, [&](const Lookup& at) {
+    return plane.normal_at(at.uv).dot(at.toward_light) * ellipses.openness_at(at.uv, at.toward_light);
+  });
+}
+
+void shade_by_scattering_table(benchmark::State& state) {
+  const DisplacedPlane plane(waves(32), {1, 1});
+  const ScatteringTable table = make_scattering_table(plane);
+  const Rgb albedo(0.8F, 0.5F, 0.3F);
+  look_up(state, [&](const Lookup& at) {
+    return static_cast<double>(table.value(albedo, at.toward_viewer, at.toward_light).x());
+  });
+}
+
+BENCHMARK_CAPTURE(see_places, 32, 32)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(see_places, 128, 128)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(fit_ellipses, 32, 32)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(fit_ellipses, 128, 128)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(pass_light, 32, 32)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(pass_light, 128, 128)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(make_scattering, 32, 32)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK_CAPTURE(make_scattering, 512, 512)->Unit(benchmark::kSecond)->UseRealTime();
+BENCHMARK_CAPTURE(shade_shadowed_bump, 32, 32)->Unit(benchmark::kMillisecond);
+BENCHMARK(shade_by_scattering_table)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(sample_normals, 32, 32)->Unit(benchmark::kSecond)->UseRealTime();
 BENCHMARK_CAPTURE(sample_normals, 512, 512)->Unit(benchmark::kSecond)->UseRealTime();
 BENCHMARK(make_table)->Unit(benchmark::kMillisecond)->UseRealTime();

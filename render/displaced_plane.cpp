@@ -46,30 +46,48 @@ DisplacedPlane::DisplacedPlane(const DisplacementMap& map, const Vec2& sides, Pl
   heights_ = field_.bounds().node(field_.bounds().levels() - 1, 0, 0);
 }
 
-// Copies are visited in the order in which the ray passes over them, each with the ray moved into the square
-// of the map.
-std::optional<DisplacedPlane::Hit> DisplacedPlane::first_hit(const Vec3& origin,
-                                                             const Vec3& direction) const {
+/// Copies in the order in which a ray passes over them, each with the ray moved into the square of the map:
+/// `visit(start, step)` until one says that it is enough.
+template <class Visit>
+void DisplacedPlane::visit_copies(const Vec3& origin, const Vec3& direction, const Visit& visit) const {
   const Vec3 lengths(sides_.x(), sides_.y(), 1);
   const Vec3 start = origin.cwiseQuotient(lengths), step = direction.cwiseQuotient(lengths);
-  if (!start.allFinite() || !step.allFinite()) return {};
+  if (!start.allFinite() || !step.allFinite()) return;
   const Layer layer = layer_along(start.z(), step.z(), heights_);
-  if (layer.enter > layer.leave) return {};
+  if (layer.enter > layer.leave) return;
   Vec3 copy = start + layer.enter * step;
   copy = Vec3(std::floor(copy.x()), std::floor(copy.y()), 0);
   for (int visited = 0; visited < k_most_copies; ++visited) {
-    if (const auto hit = field_.first_hit(start - copy, step)) {
-      if (normals_ == PlaneNormals::smooth) return Hit{hit->t, hit->uv, normal_at(hit->uv)};
-      // Slopes along x and y are those along u and v over the sides.
-      return Hit{hit->t, hit->uv, hit->normal.cwiseQuotient(lengths).normalized()};
-    }
+    if (visit(Vec3(start - copy), step)) return;
     const double end_x = end_of_copy(copy.x(), start.x(), step.x());
     const double end_y = end_of_copy(copy.y(), start.y(), step.y());
-    if (!(std::min(end_x, end_y) < layer.leave)) return {};
+    if (!(std::min(end_x, end_y) < layer.leave)) return;
     const Eigen::Index axis = end_x <= end_y ? 0 : 1;
     copy[axis] += step[axis] > 0 ? 1 : -1;
   }
-  return {};
+}
+
+std::optional<DisplacedPlane::Hit> DisplacedPlane::first_hit(const Vec3& origin,
+                                                             const Vec3& direction) const {
+  std::optional<Hit> found;
+  visit_copies(origin, direction, [&](const Vec3& start, const Vec3& step) {
+    if (const auto hit = field_.first_hit(start, step)) {
+      // Slopes along x and y are those along u and v over the sides.
+      const Vec3 lengths(sides_.x(), sides_.y(), 1);
+      found = Hit{hit->t, hit->uv,
+                  normals_ == PlaneNormals::smooth ? normal_at(hit->uv)
+                                                   : Vec3(hit->normal.cwiseQuotient(lengths).normalized())};
+    }
+    return found.has_value();
+  });
+  return found;
+}
+
+bool DisplacedPlane::is_hit(const Vec3& origin, const Vec3& direction) const {
+  bool found = false;
+  visit_copies(origin, direction,
+               [&](const Vec3& start, const Vec3& step) { return found = field_.is_hit(start, step); });
+  return found;
 }
 
 Vec3 DisplacedPlane::normal_at(const Vec2& uv) const {

@@ -35,6 +35,8 @@ class DisplacedPlane {
   /// numbers that aren't finite, meets nothing; nor does one that runs so level that it passes over 65 536
   /// copies of the map.
   std::optional<Hit> first_hit(const Vec3& origin, const Vec3& direction) const;
+  /// Whether there is one; faster.
+  bool is_hit(const Vec3& origin, const Vec3& direction) const;
 
   /// The normal over a place of the map, as bump mapping has it: unit length, upwards.
   Vec3 normal_at(const Vec2& uv) const;
@@ -45,6 +47,9 @@ class DisplacedPlane {
   HeightRange heights() const { return heights_; }
 
  private:
+  template <class Visit>
+  void visit_copies(const Vec3& origin, const Vec3& direction, const Visit& visit) const;
+
   HeightField field_;
   Vec2 sides_;
   PlaneNormals normals_;

@@ -1,5 +1,5 @@
 #include <recede/geometry/error.h>
-#include <recede/render/detail/sample_stream.h>
+#include <recede/render/detail/even_points.h>
 #include <recede/render/hemisphere_square.h>
 #include <recede/render/normal_distribution.h>
 
@@ -29,31 +29,6 @@ void check(const VisibleNormalsOptions& options) {
   check_range("azimuths", options.azimuths, 1, k_most);
   check_range("samples", options.samples, 2, 1 << 30);
 }
-
-/// Points that fill the unit cube evenly: multiples of three numbers that are far from all fractions, the
-/// inverse powers of the root of x^4 = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences"). Products of whole numbers, so that nothing is rounded.
-class EvenPoints {
- public:
-  EvenPoints(std::uint32_t seed, bool in_cube) : steps_(in_cube ? k_cube : k_square) {
-    for (std::size_t k = 0; k < 3; ++k)
-      shift_[k] = std::uint64_t{detail::hash_bits(3 * seed + static_cast<std::uint32_t>(k) + 1)} << 32;
-  }
-  /// In [0, 1) each.
-  Vec3 point(std::uint64_t number) const {
-    const auto fraction = [&](std::size_t k) {
-      return static_cast<double>((shift_[k] + number * steps_[k]) >> 11) * 0x1p-53;
-    };
-    return {fraction(0), fraction(1), fraction(2)};
-  }
-
- private:
-  // Times 2^64.
-  static constexpr std::uint64_t k_cube[3] = {0xd1b54a32d192ed03u, 0xabc98388fb8fac02u, 0x8cb92ba72f3d8dd7u};
-  static constexpr std::uint64_t k_square[3] = {0xc13fa9a902a6328fu, 0x91e10da5c79e7b1cu, 0};
-  const std::uint64_t* steps_;
-  std::uint64_t shift_[3];
-};
 
 /// The counts of one view, those of the first and of the second half of its samples.
 using Counts = std::vector<std::uint32_t>;
@@ -96,7 +71,7 @@ class ViewSampler {
   }
 
  private:
-  EvenPoints even_points(int view, int azimuth, int half) const {
+  detail::EvenPoints even_points(int view, int azimuth, int half) const {
     const int seed = 2 * (view * options_.azimuths + azimuth) + half;
     return {static_cast<std::uint32_t>(seed), options_.azimuths == 1};
   }
@@ -128,7 +103,7 @@ class ViewSampler {
 
   const DisplacedPlane& plane_;
   const VisibleNormalsOptions& options_;
-  EvenPoints halves_[2];
+  detail::EvenPoints halves_[2];
   double azimuth_, level_, height_;
 };
 

@@ -1,4 +1,5 @@
 #include <recede/geometry/error.h>
+#include <recede/render/detail/angle_knots.h>
 #include <recede/render/reflectance_table.h>
 
 #include <fmt/format.h>
@@ -11,11 +12,13 @@
 namespace recede {
 namespace {
 
-constexpr double k_pi = std::numbers::pi;
+using detail::azimuth_of;
+using detail::direction_of;
+using detail::place_of_angle;
+using detail::place_of_azimuth;
+using detail::polar_angle_of;
 
-Vec3 direction_of(double angle, double azimuth) {
-  return {std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth), std::cos(angle)};
-}
+constexpr double k_pi = std::numbers::pi;
 
 void check(const ReflectanceTableOptions& options) {
   constexpr int k_most = 1024;
@@ -53,41 +56,13 @@ std::vector<WeightedNormal> normals_of_slice(const VisibleNormals& normals, std:
   return result;
 }
 
-/// A place on an axis of `count` knots: the one before, the one after, and where in between.
-struct Place {
-  std::size_t before = 0, after = 0;
-  double fraction = 0;
-};
-
-Place place_of_angle(double angle, int knots) {
-  const double steps = std::clamp(angle / (k_pi / 2) * (knots - 1), 0.0, knots - 1.0);
-  const int before = std::min(static_cast<int>(steps), knots - 2);
-  return {static_cast<std::size_t>(before), static_cast<std::size_t>(before + 1), steps - before};
-}
-
-Place place_of_azimuth(double azimuth, int knots) {
-  double steps = azimuth / (2 * k_pi);
-  steps = std::isfinite(steps) ? (steps - std::floor(steps)) * knots : 0.0;
-  const int before = std::min(static_cast<int>(steps), knots - 1);
-  return {static_cast<std::size_t>(before), static_cast<std::size_t>((before + 1) % knots),
-          std::min(steps - before, 1.0)};
-}
-
-double azimuth_of(const Vec3& direction) {
-  return direction.x() == 0 && direction.y() == 0 ? 0.0 : std::atan2(direction.y(), direction.x());
-}
-
-double polar_angle_of(const Vec3& direction) {
-  return std::atan2(std::hypot(direction.x(), direction.y()), direction.z());
-}
-
 }  // namespace
 
 double ReflectanceTable::value(double view_angle, double light_angle, double light_azimuth,
                                double view_azimuth) const {
   if (!(light_angle <= k_pi / 2)) return 0;
-  const Place angle = place_of_angle(light_angle, light_angles);
-  const Place azimuth = place_of_azimuth(light_azimuth, light_azimuths);
+  const detail::KnotPlace angle = place_of_angle(light_angle, light_angles);
+  const detail::KnotPlace azimuth = place_of_azimuth(light_azimuth, light_azimuths);
   const ViewMix mix = mix_for_view(views, azimuths, view_angle, view_azimuth);
   const auto columns = static_cast<std::size_t>(light_azimuths);
   double sum = 0;
@@ -324,7 +299,7 @@ double ReflectanceSampler::density(const Vec3& toward_viewer, const Vec3& toward
   const View view = this->view(toward_viewer);
   std::size_t row = 0;
   while (row + 2 < heights_.size() && heights_[row + 1] > toward_light.z()) ++row;
-  const Place azimuth = place_of_azimuth(azimuth_of(toward_light) - view.azimuth, columns_);
+  const detail::KnotPlace azimuth = place_of_azimuth(azimuth_of(toward_light) - view.azimuth, columns_);
   return cell_density(view, row * static_cast<std::size_t>(columns_) + azimuth.before);
 }
 

@@ -2,10 +2,14 @@
 #include <recede/geometry/error.h>
 #include <recede/render/detail/number_bytes.h>
 #include <recede/render/reflectance_table.h>
+#include <recede/render/scattering_table.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,41 +19,54 @@ namespace {
 constexpr std::string_view k_head = "recede reflectance 1\n";
 constexpr int k_most = 1024;  // of each count, as the options have it
 
-std::size_t value_count(const ReflectanceTable& table) {
-  return static_cast<std::size_t>(table.views + 1) * static_cast<std::size_t>(table.azimuths) *
-         table.slice_size();
+/// Views, azimuths, light angles, light azimuths, orders of scattering; 0 orders: direct light without
+/// shadows, one value for each pair of directions.
+using Counts = std::array<int, 5>;
+
+std::size_t value_count(const Counts& counts) {
+  std::size_t count = static_cast<std::size_t>(counts[0] + 1);
+  for (std::size_t i = 1; i < 4; ++i) count *= static_cast<std::size_t>(counts[i]);
+  return count * static_cast<std::size_t>(std::max(counts[4], 1));
 }
 
-}  // namespace
-
-void write_reflectance_table(const std::filesystem::path& path, const ReflectanceTable& table) {
-  if (table.values.empty() || table.values.size() != value_count(table))
+/// `extra` are numbers that stand before the values.
+void write_table(const std::filesystem::path& path, const Counts& counts, std::span<const double> extra,
+                 std::span<const double> values) {
+  if (values.empty() || values.size() != value_count(counts))
     throw InputError::in_file(path.string(), "the table must have one value for each pair of directions");
   std::string bytes(k_head);
-  for (const int count : {table.views, table.azimuths, table.light_angles, table.light_azimuths, 0})
-    detail::append_bytes(bytes, static_cast<std::uint32_t>(count));
-  for (const double value : table.values) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
+  for (const int count : counts) detail::append_bytes(bytes, static_cast<std::uint32_t>(count));
+  for (const double value : extra) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
+  for (const double value : values) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
   write_file_atomically(path, bytes);
 }
 
-ReflectanceTable read_reflectance_table(const std::filesystem::path& path) {
+struct Table {
+  Counts counts{};
+  std::vector<double> values;  // with those before them
+};
+
+/// `most_orders`: 0 for a table without orders.
+Table read_table(const std::filesystem::path& path, int most_orders) {
   const std::string bytes = read_whole_file(path);
   const std::string name = path.string();
-  constexpr std::size_t k_counts = 5 * sizeof(std::uint32_t);
-  if (!std::string_view(bytes).starts_with(k_head) || bytes.size() < k_head.size() + k_counts)
+  Table table;
+  const std::size_t start = k_head.size() + table.counts.size() * sizeof(std::uint32_t);
+  if (!std::string_view(bytes).starts_with(k_head) || bytes.size() < start)
     throw InputError::in_file(name, "this is no reflectance table");
-  int counts[4];
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::size_t at = k_head.size() + 4 * i;
+  for (std::size_t i = 0; i < table.counts.size(); ++i) {
+    const std::size_t at = k_head.size() + sizeof(std::uint32_t) * i;
     const auto count = detail::number_at<std::uint32_t>(bytes, at);
-    if (count < (i == 2 ? 2u : 1u) || count > k_most)
-      throw InputError::at_byte(name, at, "a count out of range");
-    counts[i] = static_cast<int>(count);
+    const int least = i == 2   ? 2
+                      : i == 4 ? std::min(most_orders, 1)
+                               : 1,
+              most = i == 4 ? most_orders : k_most;
+    if (count < static_cast<std::uint32_t>(least) || count > static_cast<std::uint32_t>(most))
+      throw InputError::at_byte(name, at, i == 4 ? "another kind of table" : "a count out of range");
+    table.counts[i] = static_cast<int>(count);
   }
-  ReflectanceTable table{
-      .views = counts[0], .azimuths = counts[1], .light_angles = counts[2], .light_azimuths = counts[3]};
-  const std::size_t start = k_head.size() + k_counts;
-  if (bytes.size() - start != value_count(table) * sizeof(double))
+  const std::size_t extra = most_orders > 0 ? 1 : 0;
+  if (bytes.size() - start != (value_count(table.counts) + extra) * sizeof(double))
     throw InputError::in_file(name, "the file is longer or shorter than its table");
   for (std::size_t at = start; at < bytes.size(); at += sizeof(double)) {
     const auto value = std::bit_cast<double>(detail::number_at<std::uint64_t>(bytes, at));
@@ -58,6 +75,45 @@ ReflectanceTable read_reflectance_table(const std::filesystem::path& path) {
     table.values.push_back(value);
   }
   return table;
+}
+
+}  // namespace
+
+void write_reflectance_table(const std::filesystem::path& path, const ReflectanceTable& table) {
+  write_table(path, {table.views, table.azimuths, table.light_angles, table.light_azimuths, 0}, {},
+              table.values);
+}
+
+ReflectanceTable read_reflectance_table(const std::filesystem::path& path) {
+  Table table = read_table(path, 0);
+  const auto [views, azimuths, light_angles, light_azimuths, orders] = table.counts;
+  return {.views = views,
+          .azimuths = azimuths,
+          .light_angles = light_angles,
+          .light_azimuths = light_azimuths,
+          .values = std::move(table.values)};
+}
+
+void write_scattering_table(const std::filesystem::path& path, const ScatteringTable& table) {
+  if (table.orders < 1 || table.orders > ScatteringTable::k_most_orders)
+    throw InputError::in_file(path.string(), "the table must have one to eight orders");
+  write_table(path, {table.views, table.azimuths, table.light_angles, table.light_azimuths, table.orders},
+              std::array{table.hits_again}, table.values);
+}
+
+ScatteringTable read_scattering_table(const std::filesystem::path& path) {
+  Table table = read_table(path, ScatteringTable::k_most_orders);
+  const auto [views, azimuths, light_angles, light_azimuths, orders] = table.counts;
+  ScatteringTable result{.views = views,
+                         .azimuths = azimuths,
+                         .light_angles = light_angles,
+                         .light_azimuths = light_azimuths,
+                         .orders = orders,
+                         .hits_again = table.values.front()};
+  if (result.hits_again > 1)
+    throw InputError::in_file(path.string(), "more light meets the surface again than left");
+  result.values.assign(table.values.begin() + 1, table.values.end());
+  return result;
 }
 
 }  // namespace recede
