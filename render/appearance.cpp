@@ -91,8 +91,9 @@ double wavelength_of(const DisplacementMap& map, const Vec2& sides, const std::v
   return 2 * std::numbers::pi * std::sqrt(std::max(squares - sum * sum / count, 0.0) / slopes);
 }
 
-VisibleNormals normals_of_images(const DisplacementMap& map, const std::vector<bool>& covered,
-                                 const Vec2& sides, const std::function<Vec3(const Vec2&)>& normal_at,
+VisibleNormals normals_of_images(const DisplacedPlane& plane, const DisplacementMap& map,
+                                 const std::vector<bool>& covered,
+                                 const std::function<Vec3(const Vec2&)>& normal_at,
                                  VisibleNormalsOptions options, Progress* progress) {
   if (std::find(covered.begin(), covered.end(), true) == covered.end())
     throw InputError("the surface covers no texel of its map");
@@ -107,8 +108,7 @@ VisibleNormals normals_of_images(const DisplacementMap& map, const std::vector<b
     const Vec3 own = normal_at({u, v});
     return Vec3(u_sign * own.x(), v_sign * own.y(), own.z());
   };
-  const DisplacementMap images = with_mirror_images(map);
-  return sample_visible_normals(DisplacedPlane(images, 2 * sides), options, progress);
+  return sample_visible_normals(plane, options, progress);
 }
 
 }  // namespace
@@ -159,7 +159,7 @@ ReflectanceTableOptions from_below(ReflectanceTableOptions options) {
 }  // namespace
 
 Appearance::Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
-                       const AppearanceOptions& options)
+                       const AppearanceOptions& options, std::optional<ScatteringTable> shading)
     : stretch_(stretch),
       wavelength_(wavelength),
       normals_(std::move(normals)),
@@ -167,11 +167,17 @@ Appearance::Appearance(const MapStretch& stretch, double wavelength, VisibleNorm
       redistributes_(options.redistribute),
       table_(make_reflectance_table(normals_, options.reflectance)),
       from_below_(make_reflectance_table(normals_, from_below(options.reflectance))),
-      sampler_(table_) {
+      sampler_(table_),
+      shading_(std::move(shading)) {
   if (!stretch.sides.allFinite() || !(stretch.sides.minCoeff() > 0))
     throw OptionError("the sides of a map are lengths greater than 0");
   if (!(wavelength >= 0) || !std::isfinite(wavelength))
     throw OptionError("a wavelength is a length, or 0 for a flat map");
+  if (shading_ &&
+      (shading_->views != table_.views || shading_->azimuths != table_.azimuths ||
+       shading_->light_angles != table_.light_angles || shading_->light_azimuths != table_.light_azimuths ||
+       shading_->values.size() != shading_->slice_count() * shading_->slice_size()))
+    throw InputError("the shading of an appearance has other angles than its table");
   for (std::size_t slice = 0; slice < normals_.slice_count(); ++slice) {
     Vec3 mean = Vec3::Zero();
     const std::span<const double> shares = normals_.slice(slice);
@@ -183,6 +189,32 @@ Appearance::Appearance(const MapStretch& stretch, double wavelength, VisibleNorm
 double Appearance::unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const {
   if (toward_light.z() >= 0) return table_.value(toward_viewer, toward_light);
   return from_below_.value(toward_viewer, {toward_light.x(), toward_light.y(), -toward_light.z()});
+}
+
+Rgb Appearance::shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3& toward_light,
+                        bool passed_on, double displaced) const {
+  if (toward_light.z() < 0) return Rgb::Zero();
+  if (!shading_ || displaced >= 1) return Rgb::Ones();
+  const auto factors = [&](const Vec3& viewer, const Vec3& light) {
+    const ScatteringTable::Series series = shading_->series(viewer, light);
+    if (!passed_on) return Rgb(Rgb::Constant(static_cast<float>(series[0])));
+    Rgb result;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const auto share = static_cast<double>(albedo[k]);
+      result[k] = static_cast<float>(share > 0 ? shading_->sum(series, share) / share : series[0]);
+    }
+    return result;
+  };
+  const Rgb whole = factors(toward_viewer, toward_light);
+  if (displaced == 0) return whole;
+  // Heights times s shade as the whole ones do for directions whose tangents are s times as large.
+  const auto equivalent = [&](const Vec3& direction) {
+    return Vec3(Vec3(displaced * direction.x(), displaced * direction.y(), direction.z()).stableNormalized());
+  };
+  const Vec3 viewer(toward_viewer.x(), toward_viewer.y(), std::max(toward_viewer.z(), 0.0));
+  constexpr float k_least = 0.02f;  // of light that is nearly gone, no more is taken away or given back
+  const Rgb part = factors(equivalent(viewer), equivalent(toward_light)).cwiseMax(k_least);
+  return whole.cwiseQuotient(part);
 }
 
 Vec3 Appearance::mean_normal(const Vec3& toward_viewer) const {
@@ -198,16 +230,55 @@ Vec3 Appearance::mean_normal(const Vec3& toward_viewer) const {
 
 namespace {
 
-/// Of a map that isn't periodic.
+/// Factors by which shadows, and light that is passed on, change light that nothing shades; `unshadowed` is
+/// that of the plane.
+ScatteringTable shading_of(const DisplacedPlane& plane, const ReflectanceTable& unshadowed, int samples,
+                           Progress* progress) {
+  ScatteringTable table = make_scattering_table(plane,
+                                                {.views = unshadowed.views,
+                                                 .azimuths = unshadowed.azimuths,
+                                                 .samples = samples,
+                                                 .light_angles = unshadowed.light_angles,
+                                                 .light_azimuths = unshadowed.light_azimuths},
+                                                progress);
+  const auto depth = static_cast<std::size_t>(table.orders);
+  for (std::size_t i = 0; i < unshadowed.values.size(); ++i) {
+    for (std::size_t order = 0; order < depth; ++order) {
+      double& value = table.values[i * depth + order];
+      // Both are means over rays of their own: where little light comes at all, chance says how much of it.
+      constexpr double k_least = 1e-3, k_most = 4;
+      value = std::min(value / std::max(unshadowed.values[i], k_least), k_most);
+    }
+  }
+  return table;
+}
+
+std::shared_ptr<const Appearance> appearance_of(const MapStretch& stretch, double wavelength,
+                                                VisibleNormals normals, const DisplacedPlane& plane,
+                                                const VisibleNormals& of_plane,
+                                                const AppearanceOptions& options, Progress* progress) {
+  std::optional<ScatteringTable> shading;
+  if (options.shading) {
+    shading = shading_of(plane, make_reflectance_table(of_plane, options.reflectance),
+                         options.shading_samples, progress);
+  }
+  return std::make_shared<const Appearance>(stretch, wavelength, std::move(normals), options,
+                                            std::move(shading));
+}
+
+/// Of a map that isn't periodic. Shading is that of the whole map with its images.
 std::shared_ptr<const Appearance> appearance_of_images(const PolygonSoup& surface, const DisplacementMap& map,
                                                        const MapStretch& stretch,
                                                        const std::function<Vec3(const Vec2&)>& normal_at,
                                                        const AppearanceOptions& options, Progress* progress) {
   const std::vector<bool> covered = covered_texels(surface, map.columns(), map.rows());
-  VisibleNormals normals =
-      normals_of_images(map, covered, stretch.sides, normal_at, options.normals, progress);
-  return std::make_shared<const Appearance>(stretch, wavelength_of(map, stretch.sides, covered),
-                                            std::move(normals), options);
+  const DisplacementMap images = with_mirror_images(map);
+  const DisplacedPlane plane(images, 2 * stretch.sides, PlaneNormals::smooth);
+  VisibleNormals normals = normals_of_images(plane, map, covered, normal_at, options.normals, progress);
+  VisibleNormals of_plane;
+  if (options.shading) of_plane = sample_visible_normals(plane, options.normals, progress);
+  return appearance_of(stretch, wavelength_of(map, stretch.sides, covered), std::move(normals), plane,
+                       of_plane, options, progress);
 }
 
 }  // namespace
@@ -217,9 +288,9 @@ std::shared_ptr<const Appearance> make_appearance(const PolygonSoup& surface, co
   const MapStretch stretch = measure_stretch(surface);
   if (map.border() == MapBorder::periodic) {
     const DisplacedPlane plane(map, stretch.sides, PlaneNormals::smooth);
-    return std::make_shared<const Appearance>(stretch, wavelength_of(map, stretch.sides, {}),
-                                              sample_visible_normals(plane, options.normals, progress),
-                                              options);
+    const VisibleNormals normals = sample_visible_normals(plane, options.normals, progress);
+    return appearance_of(stretch, wavelength_of(map, stretch.sides, {}), normals, plane, normals, options,
+                         progress);
   }
   const auto normal_at = [&](const Vec2& uv) {
     const Vec2 slope = map.smooth_derivative_at(uv).cwiseQuotient(stretch.sides);

@@ -5,9 +5,11 @@
 #include <recede/lod/displacement_bake.h>
 #include <recede/render/redistributed_bump.h>
 #include <recede/render/reflectance_table.h>
+#include <recede/render/scattering_table.h>
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace recede {
 
@@ -29,6 +31,10 @@ struct AppearanceOptions {
   VisibleNormalsOptions normals = {};
   ReflectanceTableOptions reflectance = {};
   RedistributionOptions redistribution = {};
+  /// Shadows that bumps cast on each other, and light that they pass on. Without it tables and bump maps are
+  /// lit as if nothing shaded anything.
+  bool shading = true;
+  int shading_samples = 8192;  ///< rays for each view, as in `ScatteringTableOptions`
   /// False: bump maps have their own normals from everywhere, which isn't as bright as displacement; for
   /// comparison.
   bool redistribute = true;
@@ -39,10 +45,11 @@ struct AppearanceOptions {
 /// v.
 class Appearance {
  public:
+  /// `shading`, as `shading()` has it, fits `normals` and `options.reflectance` in its numbers of angles.
   /// Throws what `validate` throws, `OptionError` for options of the table out of range and for sides or a
-  /// wavelength that aren't finite or below 0.
+  /// wavelength that aren't finite or below 0, and `InputError` for a shading that doesn't fit.
   Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
-             const AppearanceOptions& options = {});
+             const AppearanceOptions& options = {}, std::optional<ScatteringTable> shading = {});
 
   const MapStretch& stretch() const { return stretch_; }
   double wavelength() const { return wavelength_; }  ///< object units; 0: flat
@@ -58,6 +65,17 @@ class Appearance {
   /// anything. Unit vectors in the frame of the surface.
   double unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const;
 
+  /// What bumps make of light by shading each other and passing it on: a scattering table whose values are
+  /// over those of light that nothing shades. Unset: nothing.
+  const std::optional<ScatteringTable>& shading() const { return shading_; }
+  /// The same as factors of the light that `unshadowed` gives, for an albedo of each channel; with
+  /// `passed_on` the light that bumps pass to each other is in it. 0 for light from below the horizon.
+  ///
+  /// `displaced` is the share of the displacement that the surface has already, 0 to 1, which shades itself:
+  /// the rest is returned, at 1 nothing.
+  Rgb shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3& toward_light, bool passed_on,
+              double displaced = 0) const;
+
   /// The mean of the normals that are seen, at most 1 long. `toward_viewer` and the result are in the frame
   /// of the surface.
   Vec3 mean_normal(const Vec3& toward_viewer) const;
@@ -70,6 +88,7 @@ class Appearance {
   bool redistributes_ = true;
   ReflectanceTable table_, from_below_;
   ReflectanceSampler sampler_;
+  std::optional<ScatteringTable> shading_;
   std::vector<Vec3> mean_normals_;  // by slice, in the viewer's frame
 };
 

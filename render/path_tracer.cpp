@@ -62,7 +62,8 @@ Rgb PathTracer::radiance(const Hit& first, const Vec3f& direction, MethodShares 
   Hit hit = first;
   Vec3f along = direction;
   for (int bounce = 0;; ++bounce) {
-    const SurfacePoint point = surface_point(scene_, hit, along, shares);
+    SurfacePoint point = surface_point(scene_, hit, along, shares);
+    point.passes_on = bounces > 0;
     // Equation 3.13.
     if (options_.transport == LightTransport::direct)
       light += static_cast<float>(lights_.ambient()) * point.albedo;

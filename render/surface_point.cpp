@@ -46,9 +46,9 @@ void set_appearance(const DisplacedLook& look, const Hit& base_hit, const Vec3f&
   const SurfaceFrame frame = appearances.frame_at(base_hit.part.primitive, {1 - u - v, u, v});
   const bool is_front = base_hit.front.dot(direction) <= 0;
   const Vec3 toward_viewer = frame.to_local(-direction.cast<double>());
-  if (shares.table > 0 && is_front)
-    seen.table = {shares.table, &appearances.appearance(), frame, toward_viewer};
-  if (seen.table.share < 1) {
+  if (shares.displaced < 1 && is_front)
+    seen.method = {&appearances.appearance(), shares, frame, toward_viewer};
+  if (!(seen.method.appearance != nullptr && shares.table == 1)) {
     Vec3 normal = appearances.bump_normal(frame.uv, look.surface.map);
     if (shares.displaced < 1 && is_front)
       normal = appearances.appearance().bump_normal(normal, toward_viewer, shares.displaced);
@@ -91,18 +91,20 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
 
 double facing(const SurfaceLook& look, const Vec3& toward_light) {
   const double by_normal = std::max(0.0, look.normal.cast<double>().dot(toward_light));
-  const TableLook& table = look.table;
-  if (table.share == 0) return by_normal;
+  const MethodLook& method = look.method;
+  const double share = method.shares.table;
+  if (method.appearance == nullptr || share == 0) return by_normal;
   const double by_table =
-      table.appearance->unshadowed(table.toward_viewer, table.frame.to_local(toward_light));
-  return (1 - table.share) * by_normal + table.share * by_table;
+      method.appearance->unshadowed(method.toward_viewer, method.frame.to_local(toward_light));
+  return (1 - share) * by_normal + share * by_table;
 }
 
 Vec3 mean_normal(const SurfaceLook& look) {
-  const TableLook& table = look.table;
-  if (table.share == 0) return look.normal.cast<double>();
-  return (1 - table.share) * look.normal.cast<double>() +
-         table.share * table.frame.to_world(table.appearance->mean_normal(table.toward_viewer));
+  const MethodLook& method = look.method;
+  const double share = method.shares.table;
+  if (method.appearance == nullptr || share == 0) return look.normal.cast<double>();
+  return (1 - share) * look.normal.cast<double>() +
+         share * method.frame.to_world(method.appearance->mean_normal(method.toward_viewer));
 }
 
 namespace {
@@ -142,7 +144,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
   point.normal = look.normal.cast<double>().stableNormalized();
   if (!(point.normal.squaredNorm() > 0.5)) point.normal = point.geometric_normal;
   point.albedo = look.albedo;
-  point.table = look.table;
+  point.method = look.method;
   point.target = {shares.is_on_base() ? SurfaceShape::base : SurfaceShape::displaced,
                   static_cast<float>(shares.displaced)};
   point.start = (point.position + off * point.geometric_normal).cast<float>();
@@ -155,17 +157,23 @@ double scattered_by_normal(const SurfacePoint& point, const Vec3& toward) {
   return std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
 }
 
-double scattered_by_table(const TableLook& table, const Vec3& toward) {
-  return table.appearance->table().value(table.toward_viewer, table.frame.to_local(toward)) /
-         std::numbers::pi;
+double table_share(const SurfacePoint& point) {
+  return point.method.appearance == nullptr ? 0 : point.method.shares.table;
 }
 
-/// Per radiance that comes from above the geometric horizon, for an albedo of 1.
-double scattered_share(const SurfacePoint& point, const Vec3& toward) {
-  const double share = point.table.share;
-  if (share == 0) return scattered_by_normal(point, toward);
-  const double by_table = share * scattered_by_table(point.table, toward);
-  return share == 1 ? by_table : by_table + (1 - share) * scattered_by_normal(point, toward);
+/// Per radiance that comes from above the geometric horizon, for each channel.
+Rgb scattered_light(const SurfacePoint& point, const Vec3& toward) {
+  const MethodLook& method = point.method;
+  if (method.appearance == nullptr)
+    return static_cast<float>(scattered_by_normal(point, toward)) * point.albedo;
+  const Vec3 toward_light = method.frame.to_local(toward);
+  const double share = method.shares.table;
+  double value = share < 1 ? (1 - share) * scattered_by_normal(point, toward) : 0;
+  if (share > 0)
+    value += share * method.appearance->table().value(method.toward_viewer, toward_light) / std::numbers::pi;
+  const Rgb shading = method.appearance->shading(point.albedo, method.toward_viewer, toward_light,
+                                                 point.passes_on, method.shares.displaced);
+  return static_cast<float>(value) * point.albedo.cwiseProduct(shading);
 }
 
 /// A disc filled evenly and lifted to the hemisphere has the density of the cosine.
@@ -181,39 +189,38 @@ Vec3 cosine_direction(const Vec3& normal, const Vec2& random) {
 
 Rgb scattered(const SurfacePoint& point, const Vec3& toward) {
   if (!(point.geometric_normal.dot(toward) > 0)) return Rgb::Zero();
-  return static_cast<float>(scattered_share(point, toward)) * point.albedo;
+  return scattered_light(point, toward);
 }
 
 bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSample& sample) {
-  const TableLook& table = point.table;
-  if (random.x() < table.share) {
-    const Vec2 rest(random.x() / table.share, random.y());
-    const ReflectanceSampler::Sample drawn = table.appearance->sampler().sample(table.toward_viewer, rest);
+  const MethodLook& method = point.method;
+  const double share = table_share(point);
+  if (random.x() < share) {
+    const Vec2 rest(random.x() / share, random.y());
+    const ReflectanceSampler::Sample drawn = method.appearance->sampler().sample(method.toward_viewer, rest);
     if (!(drawn.density > 0)) return false;
-    sample.direction = table.frame.to_world(drawn.toward_light).normalized();
+    sample.direction = method.frame.to_world(drawn.toward_light).normalized();
   } else {
-    const Vec2 rest((random.x() - table.share) / (1 - table.share), random.y());
-    sample.direction = cosine_direction(point.normal, rest);
+    sample.direction = cosine_direction(point.normal, {(random.x() - share) / (1 - share), random.y()});
   }
   if (!(point.geometric_normal.dot(sample.direction) > 0)) return false;
-  if (table.share == 0) {
+  if (method.appearance == nullptr) {
     sample.density = std::sqrt(1 - random.x()) / std::numbers::pi;
     sample.weight = point.albedo;
     return sample.density > 0;
   }
   sample.density = scattering_density(point, sample.direction);
   if (!(sample.density > 0)) return false;
-  sample.weight =
-      static_cast<float>(scattered_share(point, sample.direction) / sample.density) * point.albedo;
+  sample.weight = scattered_light(point, sample.direction) / static_cast<float>(sample.density);
   return true;
 }
 
 double scattering_density(const SurfacePoint& point, const Vec3& toward) {
-  const TableLook& table = point.table;
-  if (table.share == 0) return scattered_by_normal(point, toward);
-  return table.share *
-             table.appearance->sampler().density(table.toward_viewer, table.frame.to_local(toward)) +
-         (1 - table.share) * scattered_by_normal(point, toward);
+  const MethodLook& method = point.method;
+  const double share = table_share(point);
+  if (share == 0) return scattered_by_normal(point, toward);
+  return share * method.appearance->sampler().density(method.toward_viewer, method.frame.to_local(toward)) +
+         (1 - share) * scattered_by_normal(point, toward);
 }
 
 }  // namespace recede::detail

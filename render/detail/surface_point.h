@@ -6,10 +6,10 @@
 
 namespace recede::detail {
 
-/// A place that scatters by a table.
-struct TableLook {
-  double share = 0;  ///< of the intensity; the rest is that of the normal
-  const Appearance* appearance = nullptr;
+/// A place of a surface with appearances that another method than displacement draws, or helps to draw.
+struct MethodLook {
+  const Appearance* appearance = nullptr;  ///< null: none
+  MethodShares shares;
   SurfaceFrame frame;
   Vec3 toward_viewer;  ///< in the frame
 };
@@ -18,7 +18,7 @@ struct TableLook {
 struct SurfaceLook {
   Vec3f normal;  ///< unit, for shading; turned to the side that is seen
   Rgb albedo;    ///< share of the light that it scatters back
-  TableLook table = {};
+  MethodLook method = {};
 };
 
 /// `direction` is the ray's. `shares` count for surfaces with appearances.
@@ -37,8 +37,9 @@ struct SurfacePoint {
   Vec3 geometric_normal;  ///< unit, towards the side that is seen
   Vec3 normal;            ///< unit, for shading
   Rgb albedo;
-  TableLook table;
-  RayTarget target;  ///< what rays from here meet
+  MethodLook method;
+  bool passes_on = false;  ///< paths go on from here, so that bumps also light each other
+  RayTarget target;        ///< what rays from here meet
 
   /// A ray from here, which must lead to the side that is seen.
   Ray ray_towards(const Vec3& direction, float length = std::numeric_limits<float>::infinity()) const {
