@@ -277,6 +277,8 @@ OpennessErrors measure_openness_errors(const DisplacedPlane& plane, const Height
     throw OptionError("directions to measure errors of openness in: 3 to 2048");
   std::vector<Vec3> upper = spread_directions(2 * directions).directions;
   upper.resize(static_cast<std::size_t>(directions));  // from +z down
+  // Turned, so that they aren't those of the visibility when there are as many.
+  for (Vec3& d : upper) d = Eigen::AngleAxisd(1, Vec3::UnitZ()) * d;
   std::vector<std::array<int, 3>> wrong(visibility.place_count(), {0, 0, 0});
   for (std::size_t k = 0; k < upper.size(); ++k) {
     report_progress(progress, "errors of openness", static_cast<double>(k) / directions);

@@ -72,8 +72,8 @@ struct ScatteringTable {
 /// What a place passes to others goes through `compute_visibility` (Heidrich, Daubert, Kautz and Seidel 2000,
 /// section on the virtual gonioreflectometer).
 ///
-/// Same values for any number of threads. Throws `OptionError` for options out of range, `InputError` when
-/// no ray of a view meets the surface, and `Cancelled`.
+/// Same values for any number of threads. Throws `OptionError` for options out of range and for more than
+/// 2^28 values or samples in all, `InputError` when no ray of a view meets the surface, and `Cancelled`.
 ScatteringTable make_scattering_table(const DisplacedPlane& plane, const ScatteringTableOptions& options = {},
                                       Progress* progress = nullptr);
 

@@ -35,6 +35,12 @@ void check(const ScatteringTableOptions& options) {
     throw OptionError(
         fmt::format("a scattering table's {} azimuths of the viewer don't divide {} of the light",
                     options.azimuths, options.light_azimuths));
+  constexpr double k_most_numbers = 1 << 28;
+  const double slices = (options.views + 1.0) * options.azimuths;
+  if (slices * options.light_angles * options.light_azimuths * options.orders > k_most_numbers ||
+      slices * options.samples > k_most_numbers)
+    throw OptionError(
+        "a scattering table of so many views, lights, orders and samples doesn't fit in memory");
 }
 
 /// As many places as fit for each texel, but an odd number: then they lie in the middles of cells or parts of
@@ -52,9 +58,9 @@ struct SeenFrom {
 };
 
 /// Numbers by azimuth of the light counted from u, added to those counted from the viewer's azimuth.
-void add_turned(const double* by_azimuth, std::size_t turn, std::size_t azimuths, double weight, double* to) {
-  for (std::size_t k = turn; k < azimuths; ++k) to[k - turn] += weight * by_azimuth[k];
-  for (std::size_t k = 0; k < turn; ++k) to[azimuths - turn + k] += weight * by_azimuth[k];
+void add_turned(const double* by_azimuth, std::size_t turn, std::size_t azimuths, double* to) {
+  for (std::size_t k = turn; k < azimuths; ++k) to[k - turn] += by_azimuth[k];
+  for (std::size_t k = 0; k < turn; ++k) to[azimuths - turn + k] += by_azimuth[k];
 }
 
 class TableMaker {
@@ -210,7 +216,7 @@ class TableMaker {
       for (std::size_t slice = 0; slice < seen_.size(); ++slice) {
         std::fill(sums.begin(), sums.end(), 0.0);
         for (const SeenFrom& seen : seen_[slice])
-          add_turned(light.data() + seen.place * azimuths_, seen.turn, azimuths_, 1, sums.data());
+          add_turned(light.data() + seen.place * azimuths_, seen.turn, azimuths_, sums.data());
         double* to = knot(slice, row);
         for (std::size_t k = 0; k < azimuths_; ++k)
           to[k * depth + order] = sums[k] / static_cast<double>(seen_[slice].size());

@@ -121,6 +121,34 @@ TEST(DiffuseScattering, GathersLanesAsIfEachWereAlone) {
   for (std::size_t i = 0; i < places; ++i) EXPECT_EQ(out[2 * i + 1], alone[i]);
 }
 
+TEST(DiffuseScattering, ColoursWhiteFacetsBesideRedOnes) {
+  // In a groove each facet sees only those that fall the other way.
+  const DisplacementMap map = test::groove(32);
+  const HeightFieldVisibility visibility = compute_visibility(DisplacedPlane(map, {1, 1}), {.rows = 1});
+  const DiffuseTransport transport(visibility);
+  std::vector<double> sent, reached(2 * transport.place_count());  // red and green
+  for (std::size_t place = 0; place < transport.place_count(); ++place) {
+    const bool red = visibility.normals[place].x() > 0;
+    sent.push_back(transport.sky()[place]);
+    sent.push_back(red ? 0.0 : transport.sky()[place]);
+  }
+  transport.gather(sent, 2, reached);
+  double to_white = 0, to_red = 0;
+  for (std::size_t place = 0; place < transport.place_count(); ++place) {
+    const double red_light = reached[2 * place], green_light = reached[2 * place + 1];
+    if (visibility.normals[place].x() > 0) {
+      EXPECT_EQ(red_light, green_light) << "from white facets";
+      to_red += red_light;
+    } else {
+      EXPECT_EQ(green_light, 0) << "from red facets";
+      to_white += red_light;
+    }
+  }
+  EXPECT_GT(to_red / 16, 0.15);
+  // Facets mirror each other; 128 directions don't quite.
+  EXPECT_NEAR(to_red, to_white, 0.03 * to_red);
+}
+
 TEST(DiffuseScattering, RefusesOrdersAndIrradiancesOutOfRange) {
   const DisplacementMap map = test::groove(8);
   const DiffuseTransport transport(compute_visibility(DisplacedPlane(map, {1, 1})));

@@ -174,6 +174,8 @@ TEST(ScatteringTable, RefusesOptionsOutOfRange) {
   EXPECT_THROW(make_scattering_table(plane, {.orders = 9}), OptionError);
   EXPECT_THROW(make_scattering_table(plane, {.directions = 5}), OptionError);
   EXPECT_THROW(make_scattering_table(plane, {.places = 0}), OptionError);
+  EXPECT_THROW(make_scattering_table(plane, {.azimuths = 1024, .light_azimuths = 1024}), OptionError);
+  EXPECT_THROW(make_scattering_table(plane, {.samples = 1 << 24}), OptionError);
 }
 
 }  // namespace
