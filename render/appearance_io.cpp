@@ -34,6 +34,10 @@ void write_appearance(const std::filesystem::path& path, const Appearance& appea
                               appearance.wavelength(), shading ? shading->hits_again : 0.0})
     detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(length));
   for (const double share : normals.shares) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(share));
+  if (shading) {
+    for (const double value : shading->values)
+      detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
+  }
   write_file_atomically(path, bytes);
 }
 

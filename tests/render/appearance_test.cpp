@@ -19,6 +19,7 @@ constexpr double k_pi = std::numbers::pi;
 AppearanceOptions quick(int samples = 8192) {
   AppearanceOptions options;
   options.normals.samples = samples;
+  options.shading_samples = 256;
   return options;
 }
 
@@ -172,6 +173,8 @@ TEST(Appearance, IsTheSameAfterWritingAndReading) {
   EXPECT_EQ(read->stretch().spread, written->stretch().spread);
   EXPECT_EQ(read->wavelength(), written->wavelength());
   EXPECT_EQ(read->table().values, written->table().values);
+  EXPECT_EQ(read->shading()->values, written->shading()->values);
+  EXPECT_EQ(read->shading()->hits_again, written->shading()->hits_again);
 }
 
 TEST(Appearance, RefusesFilesThatArentOne) {
@@ -179,13 +182,14 @@ TEST(Appearance, RefusesFilesThatArentOne) {
   const auto path = folder / "waves.appearance";
   AppearanceOptions small = quick(64);
   small.normals.bins = small.normals.views = 3;
+  small.reflectance.light_angles = small.reflectance.light_azimuths = 4;
   write_appearance(path, *make_appearance(test::tiled_square(3), test::random_waves(4, 0.1), small));
   const std::string bytes = read_whole_file(path);
   const auto refuses = [&](std::string changed) {
     write_file_atomically(path, changed);
     EXPECT_THROW(read_appearance(path), InputError);
   };
-  constexpr std::size_t k_counts = 20, k_lengths = 44, k_shares = 84;
+  constexpr std::size_t k_counts = 20, k_lengths = 44, k_shares = 92;
   refuses("");
   refuses(bytes.substr(0, 50));
   refuses(bytes.substr(0, bytes.size() - 1));
@@ -195,13 +199,16 @@ TEST(Appearance, RefusesFilesThatArentOne) {
     changed[k_counts + 4 * count + 3] = 1;  // millions
     refuses(changed);
   }
-  for (std::size_t length = 0; length < 5; ++length) {
+  for (std::size_t length = 0; length < 6; ++length) {
     std::string changed = bytes;
     changed[k_lengths + 8 * length + 7] = static_cast<char>(0xff);  // below 0, or no number
     refuses(changed);
   }
   std::string changed = bytes;
   changed[k_shares + 7] = static_cast<char>(0xbf);
+  refuses(changed);
+  changed = bytes;
+  changed.back() = static_cast<char>(0xbf);  // a factor of light
   refuses(changed);
   write_file_atomically(path, bytes);
   EXPECT_NO_THROW(read_appearance(path));
