@@ -49,9 +49,9 @@ int main() try {
   for (const double degrees : {0, 30, 60, 75}) {
     const double angle = degrees * std::numbers::pi / 180;
     const recede::Vec3 viewer(std::sin(angle), 0, std::cos(angle));
-    std::cout << degrees
-              << " degrees: " << recede::filtered_reflectance(facets, viewer, light, white) * light.z()
-              << ", by rays " << traced(recede::DisplacedPlane(map, {1, 1}), viewer, light) << '\n';
+    const double filtered = recede::filtered_reflectance(facets, viewer, light, white) * light.z();
+    const double by_rays = traced(recede::DisplacedPlane(map, {1, 1}), viewer, light);
+    std::cout << degrees << " degrees: " << filtered << ", by rays " << by_rays << '\n';
   }
 } catch (const recede::Error& error) {
   std::cerr << error.what() << '\n';

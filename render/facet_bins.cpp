@@ -15,103 +15,123 @@ constexpr int k_hard_steps = 6, k_soft_steps = 8;
 /// The least standard deviation on the disk of a group that shares bins with others: a quarter of a degree.
 constexpr double k_least_deviation = 3e-3;
 
-/// A part of the bins while they are split.
-struct Part {
-  std::vector<std::size_t> bins;
-  FacetBin sum;
-  Vec2 axis = Vec2::UnitX();  ///< along which it is widest
-  double cost = 0;            ///< its share times the variance along the axis
-};
-
-Part make_part(const std::vector<FacetBin>& bins, std::vector<std::size_t> indices) {
-  Part part{.bins = std::move(indices), .sum = {}};
-  for (const std::size_t i : part.bins) part.sum.add(bins[i]);
-  const Vec2 middle = part.sum.place();
-  double xx = 0, xy = 0, yy = 0;
-  for (const std::size_t i : part.bins) {
-    const Vec2 from_middle = bins[i].place() - middle;
-    xx += bins[i].share * from_middle.x() * from_middle.x();
-    xy += bins[i].share * from_middle.x() * from_middle.y();
-    yy += bins[i].share * from_middle.y() * from_middle.y();
-  }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  part.axis = {std::cos(angle), std::sin(angle)};
-  part.cost = (xx + yy) / 2 + std::hypot((xx - yy) / 2, xy);
-  return part;
-}
-
-/// Halves the part that is widest for its share, again and again.
-std::vector<FacetBin> split(const std::vector<FacetBin>& bins) {
-  std::vector<std::size_t> all(bins.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  std::vector<Part> parts{make_part(bins, std::move(all))};
-  while (parts.size() < FacetDistribution::k_most_groups) {
-    const auto widest = std::max_element(parts.begin(), parts.end(),
-                                         [](const Part& a, const Part& b) { return a.cost < b.cost; });
-    std::vector<std::size_t> halves[2];
-    for (const std::size_t i : widest->bins)
-      halves[(bins[i].place() - widest->sum.place()).dot(widest->axis) < 0].push_back(i);
-    if (halves[0].empty() || halves[1].empty()) break;  // all in one place
-    *widest = make_part(bins, std::move(halves[0]));
-    parts.push_back(make_part(bins, std::move(halves[1])));
-  }
-  std::vector<FacetBin> sums;
-  for (const Part& part : parts) sums.push_back(part.sum);
-  return sums;
-}
-
 void drop_empty(std::vector<FacetBin>& sums) {
   std::erase_if(sums, [](const FacetBin& sum) { return !(sum.share > 0); });
 }
 
 std::size_t nearest(const std::vector<Vec2>& places, const Vec2& place) {
   std::size_t best = 0;
+  double least = (places[0] - place).squaredNorm();
   for (std::size_t k = 1; k < places.size(); ++k) {
-    if ((places[k] - place).squaredNorm() < (places[best] - place).squaredNorm()) best = k;
+    const double distance = (places[k] - place).squaredNorm();
+    if (distance >= least) continue;
+    best = k;
+    least = distance;
   }
   return best;
 }
 
-std::vector<FacetBin> assign_to_nearest(const std::vector<FacetBin>& bins,
-                                        const std::vector<FacetBin>& sums) {
-  std::vector<Vec2> places;
-  for (const FacetBin& sum : sums) places.push_back(sum.place());
-  std::vector<FacetBin> result(sums.size());
-  for (const FacetBin& bin : bins) result[nearest(places, bin.place())].add(bin);
-  drop_empty(result);
-  return result;
-}
+/// Finds groups of bins, as sums over them.
+class Grouping {
+ public:
+  explicit Grouping(const std::vector<FacetBin>& bins) : bins_(bins) {
+    for (const FacetBin& bin : bins) {
+      places_.push_back(bin.place());
+      variances_.push_back(bin.variance());
+    }
+  }
 
-/// Each bin in parts to all groups, by their densities there.
-std::vector<FacetBin> assign_in_parts(const std::vector<FacetBin>& bins, const std::vector<FacetBin>& sums) {
-  std::vector<Vec2> places;
-  std::vector<double> variances;
-  for (const FacetBin& sum : sums) {
-    places.push_back(sum.place());
-    variances.push_back(std::max(sum.variance(), k_least_deviation * k_least_deviation));
+  /// Halves what is widest for its share, again and again.
+  std::vector<FacetBin> split() const {
+    std::vector<std::size_t> all(bins_.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    std::vector<Part> parts{make_part(std::move(all))};
+    while (parts.size() < FacetDistribution::k_most_groups) {
+      const auto widest = std::max_element(parts.begin(), parts.end(),
+                                           [](const Part& a, const Part& b) { return a.cost < b.cost; });
+      std::vector<std::size_t> halves[2];
+      for (const std::size_t i : widest->bins)
+        halves[(places_[i] - widest->sum.place()).dot(widest->axis) < 0].push_back(i);
+      if (halves[0].empty() || halves[1].empty()) break;  // all in one place
+      *widest = make_part(std::move(halves[0]));
+      parts.push_back(make_part(std::move(halves[1])));
+    }
+    std::vector<FacetBin> sums;
+    for (const Part& part : parts) sums.push_back(part.sum);
+    return sums;
   }
-  std::vector<FacetBin> result(sums.size());
-  std::vector<double> densities(sums.size());
-  for (const FacetBin& bin : bins) {
-    const Vec2 place = bin.place();
-    const double inside = 2 * bin.variance();
-    double total = 0;
-    for (std::size_t k = 0; k < sums.size(); ++k) {
-      const double distance = ((places[k] - place).squaredNorm() + inside) / (2 * variances[k]);
-      densities[k] = distance < 50 ? sums[k].share / variances[k] * std::exp(-distance) : 0.0;
-      total += densities[k];
-    }
-    if (!(total > 0)) {
-      result[nearest(places, place)].add(bin);
-      continue;
-    }
-    for (std::size_t k = 0; k < sums.size(); ++k) {
-      if (densities[k] > 0) result[k].add(bin, densities[k] / total);
-    }
+
+  /// Each bin to the group whose mean is nearest.
+  std::vector<FacetBin> assign_to_nearest(const std::vector<FacetBin>& sums) const {
+    std::vector<Vec2> middles;
+    for (const FacetBin& sum : sums) middles.push_back(sum.place());
+    std::vector<FacetBin> result(sums.size());
+    for (std::size_t i = 0; i < bins_.size(); ++i) result[nearest(middles, places_[i])].add(bins_[i]);
+    drop_empty(result);
+    return result;
   }
-  drop_empty(result);
-  return result;
-}
+
+  /// Each bin in parts to all groups, by their densities there.
+  std::vector<FacetBin> assign_in_parts(const std::vector<FacetBin>& sums) const {
+    std::vector<Vec2> middles;
+    std::vector<double> by_variances, heights;
+    for (const FacetBin& sum : sums) {
+      middles.push_back(sum.place());
+      by_variances.push_back(1 / std::max(sum.variance(), k_least_deviation * k_least_deviation));
+      heights.push_back(sum.share * by_variances.back());
+    }
+    std::vector<FacetBin> result(sums.size());
+    std::vector<double> densities(sums.size());
+    for (std::size_t i = 0; i < bins_.size(); ++i) {
+      double total = 0;
+      for (std::size_t k = 0; k < sums.size(); ++k) {
+        const double squares = (middles[k] - places_[i]).squaredNorm() + 2 * variances_[i];
+        const double exponent = squares * by_variances[k] / 2;
+        // Beyond, it is a part of less than a millionth of most that are near.
+        densities[k] = exponent < 20 ? heights[k] * std::exp(-exponent) : 0.0;
+        total += densities[k];
+      }
+      if (!(total > 0)) {
+        result[nearest(middles, places_[i])].add(bins_[i]);
+        continue;
+      }
+      for (std::size_t k = 0; k < sums.size(); ++k) {
+        if (densities[k] > 0) result[k].add(bins_[i], densities[k] / total);
+      }
+    }
+    drop_empty(result);
+    return result;
+  }
+
+ private:
+  /// Some of the bins while they are split.
+  struct Part {
+    std::vector<std::size_t> bins;
+    FacetBin sum{};
+    Vec2 axis = Vec2::UnitX();  ///< along which it is widest
+    double cost = 0;            ///< its share times the variance along the axis
+  };
+  Part make_part(std::vector<std::size_t> indices) const {
+    Part part{.bins = std::move(indices)};
+    for (const std::size_t i : part.bins) part.sum.add(bins_[i]);
+    const Vec2 middle = part.sum.place();
+    double xx = 0, xy = 0, yy = 0;
+    for (const std::size_t i : part.bins) {
+      const Vec2 from_middle = places_[i] - middle;
+      xx += bins_[i].share * from_middle.x() * from_middle.x();
+      xy += bins_[i].share * from_middle.x() * from_middle.y();
+      yy += bins_[i].share * from_middle.y() * from_middle.y();
+    }
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+    part.axis = {std::cos(angle), std::sin(angle)};
+    part.cost = (xx + yy) / 2 + std::hypot((xx - yy) / 2, xy);
+    return part;
+  }
+
+  const std::vector<FacetBin>& bins_;
+  std::vector<Vec2> places_;
+  std::vector<double> variances_;
+};
 
 }  // namespace
 
@@ -167,12 +187,21 @@ FacetBins::FacetBins(const Vec2& least, const Vec2& largest, std::size_t facets)
     bins_.resize(static_cast<std::size_t>(k_side) * k_side);
   } else {
     bins_.reserve(facets);
+    slopes_.reserve(facets);
   }
 }
 
 void FacetBins::add(const FacetGroup& group) {
   if (!is_grid_) {
-    bins_.emplace_back().add(group);
+    // While each slope may get a group, equal ones are counted together.
+    const bool are_few = slopes_.size() <= FacetDistribution::k_most_groups;
+    const auto known = are_few ? std::find(slopes_.begin(), slopes_.end(), group.slope) : slopes_.end();
+    if (known == slopes_.end()) {
+      slopes_.push_back(group.slope);
+      bins_.emplace_back().add(group);
+    } else {
+      bins_[static_cast<std::size_t>(known - slopes_.begin())].add(group);
+    }
     return;
   }
   const Vec2 place = (place_of_slope(group.slope) - least_).cwiseProduct(scale_);
@@ -189,10 +218,12 @@ std::vector<FacetBin> FacetBins::filled() const {
 }
 
 FacetDistribution group_bins(const std::vector<FacetBin>& bins) {
-  std::vector<FacetBin> sums = split(bins);
-  if (bins.size() > sums.size()) {
-    for (int step = 0; step < k_hard_steps; ++step) sums = assign_to_nearest(bins, sums);
-    for (int step = 0; step < k_soft_steps; ++step) sums = assign_in_parts(bins, sums);
+  std::vector<FacetBin> sums = bins;
+  if (bins.size() > FacetDistribution::k_most_groups) {
+    const Grouping grouping(bins);
+    sums = grouping.split();
+    for (int step = 0; step < k_hard_steps; ++step) sums = grouping.assign_to_nearest(sums);
+    for (int step = 0; step < k_soft_steps; ++step) sums = grouping.assign_in_parts(sums);
   }
   double total = 0;
   for (const FacetBin& sum : sums) total += sum.share;

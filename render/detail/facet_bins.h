@@ -37,6 +37,7 @@ class FacetBins {
   Vec2 least_, scale_;
   bool is_grid_;
   std::vector<FacetBin> bins_;
+  std::vector<Vec2> slopes_;  // of the bins, when there is no grid
 };
 
 /// At least one bin, all with a share. Shares of the result sum to 1.
