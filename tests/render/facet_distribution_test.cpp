@@ -44,10 +44,12 @@ std::vector<FacetGroup> random_groups(unsigned seed, int count, double steepness
   std::normal_distribution<double> slope(0, steepness);
   std::uniform_real_distribution<double> share(0, 1);
   std::vector<FacetGroup> groups;
-  for (int i = 0; i < count; ++i)
-    groups.push_back({.share = share(random),
-                      .slope = Vec2(slope(random), slope(random)),
-                      .spread = i % 3 == 0 ? 0.1 * share(random) : 0.0});
+  for (int i = 0; i < count; ++i) {
+    FacetGroup group{.share = share(random), .spread = i % 3 == 0 ? 0.1 * share(random) : 0.0};
+    group.slope.x() = slope(random);
+    group.slope.y() = slope(random);
+    groups.push_back(group);
+  }
   return groups;
 }
 
@@ -144,14 +146,14 @@ TEST(FacetDistribution, IsRoundedAsStatedInSixtyFourBytes) {
     }
     // The square's middle is rounded to eight bits, and its side then up, so that it is a little wider.
     const double half_side = (largest - least).maxCoeff() / 2 * 1.01 + 0.008;
-    std::size_t at = 0;
     for (const FacetGroup& group : facets.groups()) {
       if (group.share < 1.0 / 255) continue;  // may be lost
-      while (std::abs(rounded.stored[at].share - group.share) >= 1.0 / 255 && at + 1 < rounded.count) ++at;
-      const FacetGroup& found = rounded.stored[at++];
-      EXPECT_LT(std::abs(found.share - group.share), 1.0 / 255);
-      const Vec2 difference = place_of(found.slope) - place_of(group.slope);
-      EXPECT_LE(difference.cwiseAbs().maxCoeff(), 0.5 * half_side / 127 + 1e-5) << seed;
+      const auto is_rounded = [&](const FacetGroup& found) {
+        const double apart = (place_of(found.slope) - place_of(group.slope)).cwiseAbs().maxCoeff();
+        return std::abs(found.share - group.share) < 1.0 / 255 && apart <= 0.5 * half_side / 127 + 1e-5;
+      };
+      EXPECT_TRUE(std::ranges::any_of(rounded.groups(), is_rounded))
+          << seed << ' ' << group.slope.transpose();
     }
   }
 }
