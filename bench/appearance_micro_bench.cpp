@@ -1,5 +1,6 @@
 // What agreeing appearances cost: their tables, and lookups in them beside plain bump mapping.
 #include <recede/render/diffuse_scattering.h>
+#include <recede/render/filtered_reflectance.h>
 #include <recede/render/open_ellipses.h>
 #include <recede/render/redistributed_bump.h>
 #include <recede/render/reflectance_table.h>
@@ -57,6 +58,16 @@ void make_table(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(make_reflectance_table(normals));
 }
 
+/// Its cumulated shares and its grids.
+void make_redistribution(benchmark::State& state) {
+  const VisibleNormals& normals = normals_of_waves();
+  for (auto _ : state) benchmark::DoNotOptimize(RedistributedBump(normals));
+}
+
+void make_facet_levels(benchmark::State& state, int size) {
+  for (auto _ : state) benchmark::DoNotOptimize(FacetLevels(waves(size)));
+}
+
 /// Places of a map with directions to viewers and lights, in an order without plan.
 struct Lookup {
   Vec2 uv;
@@ -111,6 +122,13 @@ void shade_partly_displaced(benchmark::State& state) {
 void shade_by_table(benchmark::State& state) {
   const ReflectanceTable table = make_reflectance_table(normals_of_waves());
   look_up(state, [&](const Lookup& at) { return table.value(at.toward_viewer, at.toward_light); });
+}
+
+void shade_by_facets(benchmark::State& state) {
+  const FacetDistribution facets = PackedFacets(facets_of(waves(32))).unpacked();
+  look_up(state, [&](const Lookup& at) {
+    return filtered_reflectance(facets, at.toward_viewer, at.toward_light) * at.toward_light.z();
+  });
 }
 
 void draw_by_table(benchmark::State& state) {
@@ -190,12 +208,16 @@ BENCHMARK(shade_by_scattering_table)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(sample_normals, 32, 32)->Unit(benchmark::kSecond)->UseRealTime();
 BENCHMARK_CAPTURE(sample_normals, 512, 512)->Unit(benchmark::kSecond)->UseRealTime();
 BENCHMARK(make_table)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(make_redistribution)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(make_facet_levels, 32, 32)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(make_facet_levels, 512, 512)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK_CAPTURE(shade_plain_bump, 32, 32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(shade_plain_bump, 512, 512)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(shade_redistributed_bump, 32, 32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(shade_redistributed_bump, 512, 512)->Unit(benchmark::kMillisecond);
 BENCHMARK(shade_partly_displaced)->Unit(benchmark::kMillisecond);
 BENCHMARK(shade_by_table)->Unit(benchmark::kMillisecond);
+BENCHMARK(shade_by_facets)->Unit(benchmark::kMillisecond);
 BENCHMARK(draw_by_table)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(shade_displaced, 32, 32)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(shade_displaced, 512, 512)->Unit(benchmark::kMillisecond);

@@ -1,4 +1,5 @@
 // recede_bench: simplification measured, ours beside the peers, on the same inputs in one run.
+#include "appearance_run.h"
 #include "bench_report.h"
 #include "dicing_run.h"
 #include "displaced_run.h"
@@ -6,7 +7,6 @@
 #include "progressive_run.h"
 #include "round_trips.h"
 #include "same_bytes.h"
-#include "transition_run.h"
 #include <recede/geometry/error.h>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
   bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false, displaced = false,
-       dicing = false, transitions = false;
+       dicing = false, appearance = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
@@ -33,8 +33,7 @@ int main(int argc, char** argv) {
   app.add_flag("--round-trips", round_trips,
                "instead, progressive meshes of every model in the folder, into files and back");
   app.add_flag("--dicing", dicing, "instead, displaced surfaces diced for views");
-  app.add_flag("--transitions", transitions,
-               "instead, displaced surfaces drawn by what each ray needs, beside displacement everywhere");
+  app.add_flag("--appearance", appearance, "instead, reliefs from afar beside rays that meet them");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
   app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
@@ -57,8 +56,8 @@ int main(int argc, char** argv) {
       fmt::print("{}", recede::bench::dicing_tables(options));
       return 0;
     }
-    if (transitions) {
-      fmt::print("{}", recede::bench::transition_tables(options));
+    if (appearance) {
+      fmt::print("{}", recede::bench::appearance_tables(options));
       return 0;
     }
     if (same_bytes) {

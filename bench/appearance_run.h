@@ -1,0 +1,23 @@
+// Appearances of reliefs measured against rays that meet the relief itself.
+#pragma once
+
+#include "bench_run.h"
+
+#include <string>
+
+namespace recede::bench {
+
+/// What a section of the run found: a text with tables, and lines of section,surface,method,figure,value.
+struct AppearanceSection {
+  std::string markdown, csv;
+};
+
+/// Mean reflectance by filters of the slopes, ours among them: errors, memory and time. Writes a picture,
+/// appearance-lobes.png, into the folder of the results.
+AppearanceSection measure_filtered_reflectance(const BenchOptions& options);
+
+/// Runs all sections and writes appearance.md and appearance.csv. `options.models` chooses reliefs. Returns
+/// the text.
+std::string appearance_tables(const BenchOptions& options);
+
+}  // namespace recede::bench
