@@ -6,7 +6,8 @@ namespace recede::bench {
 
 std::string appearance_tables(const BenchOptions& options) {
   std::filesystem::create_directories(options.out);
-  constexpr AppearanceSection (*k_sections[])(const BenchOptions&) = {measure_filtered_reflectance};
+  constexpr AppearanceSection (*k_sections[])(const BenchOptions&) = {measure_transitions,
+                                                                      measure_filtered_reflectance};
   AppearanceSection all{.markdown = "# Appearances\n", .csv = "section,surface,method,figure,value\n"};
   for (const auto& measure : k_sections) {
     const AppearanceSection section = measure(options);

@@ -16,6 +16,10 @@ struct AppearanceSection {
 /// appearance-lobes.png, into the folder of the results.
 AppearanceSection measure_filtered_reflectance(const BenchOptions& options);
 
+/// A torus over which a map of waves repeats, drawn by what each ray needs: speed, brightness and noise
+/// beside displacement everywhere. Times are those of whole pictures, with all threads.
+AppearanceSection measure_transitions(const BenchOptions& options);
+
 /// Runs all sections and writes appearance.md and appearance.csv. `options.models` chooses reliefs. Returns
 /// the text.
 std::string appearance_tables(const BenchOptions& options);

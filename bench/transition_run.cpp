@@ -1,5 +1,4 @@
-#include "transition_run.h"
-
+#include "appearance_run.h"
 #include "transition_scene.h"
 #include <recede/render/image_difference.h>
 
@@ -12,7 +11,12 @@
 namespace recede::bench {
 namespace {
 
-constexpr int k_size = 360, k_samples = 4, k_reference_samples = 256;
+constexpr int k_samples = 4, k_reference_samples = 256;
+
+std::string csv_line(std::string_view surface, std::string_view method, std::string_view figure,
+                     double value) {
+  return fmt::format("transitions,{},{},{},{:.6g}\n", surface, method, figure, value);
+}
 
 template <class Work>
 double median_seconds(std::size_t repeats, const Work& work) {
@@ -37,14 +41,16 @@ struct NamedView {
   Camera camera;
 };
 
-std::vector<NamedView> views_of(const TransitionScene& scene, int size) {
-  return {{"1", camera_at(scene, 1, size)},
-          {"10", camera_at(scene, 10, size)},
-          {"0.3 to 2, along the surface", camera_along(scene, 2, size)}};
+/// The object fills the pictures, so that times are not those of the background.
+std::vector<NamedView> views_of(const TransitionScene& scene) {
+  return {{"1", camera_at(scene, 1, 320)},
+          {"4", camera_at(scene, 4, 96)},
+          {"0.3 to 2 along the surface", camera_along(scene, 2, 320)}};
 }
 
 /// The dissertation's table 8.1: seconds for a picture by each method, from three places.
-std::string method_table(const TransitionScene& scene, const TransitionScene& plain, std::size_t repeats) {
+std::string method_table(const TransitionScene& scene, const TransitionScene& plain, std::size_t repeats,
+                         std::string& csv) {
   struct Method {
     const char* name;
     const Scene& scene;
@@ -57,7 +63,7 @@ std::string method_table(const TransitionScene& scene, const TransitionScene& pl
       {"redistributed bump map", scene.scene, {.representation = Representation::bump}},
       {"displacement everywhere", scene.scene, {.representation = Representation::displacement}},
       {"**transitions** (`auto`)", scene.scene, {.representation = Representation::automatic}}};
-  const std::vector<NamedView> views = views_of(scene, k_size);
+  const std::vector<NamedView> views = views_of(scene);
   std::string head = "| seconds ; RMSE |", line = "|---|";
   std::vector<Image> references;
   for (const NamedView& view : views) {
@@ -75,7 +81,10 @@ std::string method_table(const TransitionScene& scene, const TransitionScene& pl
           median_seconds(repeats, [&] { image = draw(method.scene, views[v].camera, method.by); });
       if (method.by.representation == Representation::displacement) displaced[v] = seconds;
       if (method.by.representation == Representation::automatic) automatic[v] = seconds;
-      rows += fmt::format(" {:.4f} ; {:.4f} |", seconds, compare_images(image, references[v]).rmse);
+      const double error = compare_images(image, references[v]).rmse;
+      rows += fmt::format(" {:.4f} ; {:.4f} |", seconds, error);
+      csv += csv_line(views[v].name, method.name, "seconds", seconds) +
+             csv_line(views[v].name, method.name, "RMSE", error);
     }
     rows += "\n";
   }
@@ -86,10 +95,13 @@ std::string method_table(const TransitionScene& scene, const TransitionScene& pl
 }
 
 /// Figure 8.3: moving away.
-std::string distance_table(const TransitionScene& scene, std::size_t repeats) {
+std::string distance_table(const TransitionScene& scene, std::size_t repeats, std::string& csv) {
+  constexpr int k_size = 320;
   std::string rows;
   for (const double distance : {0.3, 0.5, 0.65, 0.75, 0.9, 1.0, 1.2, 1.6, 2.2, 4.0, 10.0}) {
-    const Camera camera = camera_at(scene, distance, k_size);
+    // From far away the object is small, and so is the picture.
+    const Camera camera =
+        camera_at(scene, distance, static_cast<int>(k_size / std::max(1.0, distance / 1.2)));
     const Image reference = reference_of(scene, camera);
     const auto measured = [&](Representation representation) {
       Image image;
@@ -99,6 +111,10 @@ std::string distance_table(const TransitionScene& scene, std::size_t repeats) {
     };
     const auto [automatic, error] = measured(Representation::automatic);
     const auto [displaced, displaced_error] = measured(Representation::displacement);
+    const std::string at = fmt::format("{}", distance);
+    csv += csv_line(at, "transitions", "seconds", automatic) +
+           csv_line(at, "displacement", "seconds", displaced) + csv_line(at, "transitions", "RMSE", error) +
+           csv_line(at, "displacement", "RMSE", displaced_error);
     const PictureShares shares = count_methods(scene.scene, camera);
     const double all = 1 - shares.background;
     const auto percent = [&](RenderingMethod method) { return 100 * shares.of(method) / all; };
@@ -117,7 +133,7 @@ std::string distance_table(const TransitionScene& scene, std::size_t repeats) {
 
 /// Figure 8.4: the same view with methods that change elsewhere.
 std::string threshold_table(const TransitionScene& scene, std::size_t repeats) {
-  const Camera camera = camera_along(scene, 2, k_size);
+  const Camera camera = camera_along(scene, 2, 320);
   const double two_pixels = scene.two_pixels(camera);
   std::string rows;
   for (const double share : {0.1, 0.3, 0.5, 1.0, 2.0, 4.0, 100.0}) {
@@ -138,6 +154,40 @@ std::string threshold_table(const TransitionScene& scene, std::size_t repeats) {
          rows;
 }
 
+/// With shadows, and with light that surfaces pass on: the mean of a flat plane of waves by each method over
+/// that of displacement, by paths.
+std::string light_table(const TransitionScene& scene, std::string& csv) {
+  const Scene plane = scene.plane();
+  std::string rows;
+  for (const bool paths : {false, true}) {
+    for (const double light : {20.0, 45.0, 70.0}) {
+      for (const double view : {20.0, 50.0, 75.0}) {
+        const auto mean = [&](Representation representation, std::optional<double> grown) {
+          return plane_brightness(plane, {.representation = representation,
+                                          .view = view,
+                                          .light = light,
+                                          .paths = paths,
+                                          .grown = grown});
+        };
+        const double reference = mean(Representation::displacement, {});
+        const double table = mean(Representation::brdf, {}) / reference;
+        const double bump = mean(Representation::bump, {}) / reference;
+        const double half = mean(Representation::automatic, 0.5) / reference;
+        rows += fmt::format("| {} | {} | {} | {:+.2f} | {:+.2f} | {:+.2f} |\n",
+                            paths ? "paths" : "direct, shadows", light, view, 100 * (table - 1),
+                            100 * (bump - 1), 100 * (half - 1));
+        const std::string at = fmt::format("light {} view {}{}", light, view, paths ? " paths" : "");
+        csv += csv_line(at, "table", "brightness", table) + csv_line(at, "bump", "brightness", bump) +
+               csv_line(at, "half displaced", "brightness", half);
+      }
+    }
+  }
+  return "| light | angle of the light | of the view | table, % off | bump map, % off | half displaced, % "
+         "off "
+         "|\n|---|---|---|---|---|---|\n" +
+         rows;
+}
+
 double light_of(const Image& image) {
   double sum = 0;
   for (const Rgb& pixel : image.pixels) sum += static_cast<double>(pixel.sum());
@@ -145,7 +195,7 @@ double light_of(const Image& image) {
 }
 
 /// Light of the whole object over a way through all methods, relative to displacement, frame by frame.
-std::string way_table(const TransitionScene& scene, const TransitionScene& plain) {
+std::string way_table(const TransitionScene& scene, const TransitionScene& plain, std::string& csv) {
   constexpr int k_frames = 48, k_way_size = 200;
   constexpr double k_from = 0.45, k_to = 2.6, k_unit = 8;
   struct Way {
@@ -179,13 +229,31 @@ std::string way_table(const TransitionScene& scene, const TransitionScene& plain
       off = std::max(off, std::abs(way.ratios[i] - 1));
     }
     rows += fmt::format("| {} | {:.2f} | {:.2f} |\n", way.name, 100 * step, 100 * off);
+    csv += csv_line("way", way.name, "largest step", step) + csv_line("way", way.name, "farthest off", off);
   }
   return "| | largest step between frames, % | farthest from displacement, % |\n|---|---|---|\n" + rows;
 }
 
+/// Pixels of the object that have nothing but the object around them.
+ImageMask inside_of(const Image& image) {
+  ImageMask mask{.width = image.width, .height = image.height};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      bool counts = true;
+      for (int k = 0; k < 9; ++k) {
+        const int i = std::clamp(x + k % 3 - 1, 0, image.width - 1);
+        const int j = std::clamp(y + k / 3 - 1, 0, image.height - 1);
+        counts = counts && image.at(i, j).x() > 0.1f;  // the background is black
+      }
+      mask.inside.push_back(counts ? 1 : 0);
+    }
+  }
+  return mask;
+}
+
 /// From so far that waves are smaller than pixels: how pixels flicker while the camera creeps on, and how far
 /// one sample is from a picture of many.
-std::string noise_table(const TransitionScene& scene) {
+std::string noise_table(const TransitionScene& scene, std::string& csv) {
   constexpr int k_frames = 16, k_noise_size = 160;
   std::string rows;
   for (const double distance : {1.6, 2.5, 4.0}) {
@@ -195,50 +263,71 @@ std::string noise_table(const TransitionScene& scene) {
       return camera;
     };
     const Image reference = reference_of(scene, camera_of(0));
+    const ImageMask inside_of_it = inside_of(reference);
     for (const auto& [name, by] :
          {std::pair("displacement, 1 sample", DrawnBy{Representation::displacement, 1}),
           std::pair("displacement, 4 samples", DrawnBy{Representation::displacement, 4}),
           std::pair("displacement, 16 samples", DrawnBy{Representation::displacement, 16}),
           std::pair("**transitions, 1 sample**", DrawnBy{Representation::automatic, 1})}) {
-      std::vector<double> sums(reference.pixels.size()), squares(reference.pixels.size());
-      double error = 0;
+      const std::size_t pixels = reference.pixels.size();
+      std::vector<double> sums(pixels), squares(pixels);
+      std::vector<bool> always_seen(pixels, true);
+      double error = 0, inner_error = 0;
       for (int frame = 0; frame < k_frames; ++frame) {
         const Image image = draw(scene.scene, camera_of(frame), by);
-        if (frame == 0) error = compare_images(image, reference).rmse;
-        for (std::size_t i = 0; i < sums.size(); ++i) {
+        if (frame == 0) {
+          error = compare_images(image, reference).rmse;
+          inner_error = compare_images(image, reference, inside_of_it).rmse;
+        }
+        for (std::size_t i = 0; i < pixels; ++i) {
           const auto value = static_cast<double>(image.pixels[i].x());
           sums[i] += value;
           squares[i] += value * value;
+          if (value == 0) always_seen[i] = false;
         }
       }
+      // Borders of the object come and go with any method: only pixels among others that are always seen
+      // count.
       double variance = 0, inside = 0;
-      for (std::size_t i = 0; i < sums.size(); ++i) {
-        // Borders of the object come and go with any method.
-        if (squares[i] == 0 || sums[i] < 0.25 * k_frames) continue;
+      const auto row = static_cast<std::size_t>(reference.width);
+      for (std::size_t i = row + 1; i + row + 1 < pixels; ++i) {
+        bool counts = true;
+        for (const std::size_t k :
+             {i - row - 1, i - row, i - row + 1, i - 1, i, i + 1, i + row - 1, i + row, i + row + 1})
+          counts = counts && always_seen[k];
+        if (!counts) continue;
         variance += squares[i] / k_frames - std::pow(sums[i] / k_frames, 2);
         ++inside;
       }
-      rows += fmt::format("| {} | {} | {:.4f} | {:.2e} |\n", distance, name, error, variance / inside);
+      csv += csv_line(fmt::format("{}", distance), name, "flicker", variance / inside) +
+             csv_line(fmt::format("{}", distance), name, "RMSE", error);
+      rows += fmt::format("| {} | {} | {:.4f} | {:.4f} | {:.2e} |\n", distance, name, error, inner_error,
+                          variance / inside);
     }
   }
-  return "| distance | | RMSE of a picture | variance of a pixel over frames |\n|---|---|---|---|\n" + rows;
+  return "| distance | | RMSE of a picture | inside the object | variance of a pixel over frames "
+         "|\n|---|---|---|---|---|\n" +
+         rows;
 }
 
 }  // namespace
 
-std::string transition_tables(const BenchOptions& options) {
+AppearanceSection measure_transitions(const BenchOptions& options) {
   const TransitionScene scene;
-  const TransitionScene plain({.redistribute = false});
-  std::string tables = fmt::format(
-      "Distances are in units of that at which a wave covers two pixels; {} x {} pixels, {} "
-      "samples; RMSE against {} samples of displacement.\n\n",
-      k_size, k_size, k_samples, k_reference_samples);
-  tables += method_table(scene, plain, options.repeats) + "\n";
-  tables += distance_table(scene, options.repeats) + "\n";
-  tables += threshold_table(scene, options.repeats) + "\n";
-  tables += way_table(scene, plain) + "\n";
-  tables += noise_table(scene);
-  return tables;
+  const TransitionScene plain({.shading = false, .redistribute = false});
+  AppearanceSection section;
+  section.markdown = fmt::format(
+      "## Transitions\n\nDistances are in units of that at which a wave covers two pixels; {} samples; RMSE "
+      "against {} "
+      "samples of displacement.\n\n",
+      k_samples, k_reference_samples);
+  section.markdown += method_table(scene, plain, options.repeats, section.csv) + "\n";
+  section.markdown += distance_table(scene, options.repeats, section.csv) + "\n";
+  section.markdown += threshold_table(scene, options.repeats) + "\n";
+  section.markdown += light_table(scene, section.csv) + "\n";
+  section.markdown += way_table(scene, plain, section.csv) + "\n";
+  section.markdown += noise_table(scene, section.csv);
+  return section;
 }
 
 }  // namespace recede::bench

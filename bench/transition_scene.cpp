@@ -77,6 +77,27 @@ TransitionScene::TransitionScene(const AppearanceOptions& options)
       scene(base, map, {}, SceneOptions{.appearance = appearance}),
       bare(base) {}
 
+Scene TransitionScene::plane() const {
+  constexpr double k_tiles = 16;
+  PolygonSoup square;
+  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.add_face(std::array<Index, 4>{0, 1, 2, 3});
+  square.corner_uvs = {{0, 0}, {k_tiles, 0}, {k_tiles, k_tiles}, {0, k_tiles}};
+  square.materials.push_back(
+      {.name = "matt", .base_color = Vec4(0.7, 0.7, 0.7, 1), .base_color_texture = ""});
+  square.face_materials = {0};
+  const double side = 2 / k_tiles;
+  std::vector<float> heights;
+  for (const float height : map.float_samples())
+    heights.push_back(static_cast<float>(side / appearance->stretch().sides.mean()) * height);
+  const DisplacementMap waves(map.columns(), map.rows(), std::move(heights), MapBorder::periodic);
+  SceneOptions options;
+  options.appearance = make_appearance(square, waves);
+  DisplacedMeshOptions fine;
+  fine.level = 11;  // two small squares to the side of a texel
+  return Scene(square, waves, fine, options);
+}
+
 double TransitionScene::two_pixels(const Camera& camera) const {
   return transition_for_wavelength(appearance->wavelength(), frame_of(camera).pixel).unit / 2;
 }
@@ -103,6 +124,43 @@ Image draw(const Scene& scene, const Camera& camera, const DrawnBy& by) {
   options.transition = by.transition;
   options.background = Rgb::Zero();
   return render(scene, camera, options);
+}
+
+double plane_brightness(const Scene& plane, const PlaneView& view) {
+  constexpr int k_around = 16, k_size = 32;
+  const double distance = 40, polar = view.view * k_pi / 180, light = view.light * k_pi / 180;
+  double sum = 0;
+  for (int i = 0; i < k_around; ++i) {
+    const double azimuth = 2 * k_pi * i / k_around;
+    const auto direction = [](double angle, double around) {
+      return Vec3(std::sin(angle) * std::cos(around), std::sin(angle) * std::sin(around), std::cos(angle));
+    };
+    Camera camera;
+    camera.position = distance * direction(polar, azimuth);
+    camera.up = Vec3::UnitZ();
+    camera.width = camera.height = k_size;
+    camera.field_of_view = 2 * std::atan(0.5 * std::cos(polar) / distance);
+    RenderOptions options;
+    options.samples_per_pixel = view.paths ? 16 : 4;
+    options.background = Rgb::Zero();
+    options.transport = view.paths ? LightTransport::path : LightTransport::direct;
+    options.max_bounces = 8;
+    options.lighting = {};
+    options.lighting.ambient = 0;
+    options.lighting.directionals.push_back(
+        {.toward = direction(light, azimuth + k_pi / 2), .irradiance = Rgb::Constant(3)});
+    options.representation = view.representation;
+    if (view.grown) {
+      const auto& [e1, e2, e3, e4] = k_transition_values;
+      const double value = e3 + *view.grown * (e4 - e3);
+      options.transition =
+          TransitionOptions{.unit = distance * (value * (std::cos(polar) + 0.1) + 5), .threshold = 5};
+    }
+    const Image image = render(plane, camera, options);
+    for (const Rgb& pixel : image.pixels)
+      sum += static_cast<double>(pixel.x()) / static_cast<double>(image.pixels.size());
+  }
+  return sum / k_around;
 }
 
 }  // namespace recede::bench

@@ -19,6 +19,9 @@ struct TransitionScene {
   Scene scene;  ///< with the appearance
   Scene bare;   ///< the base alone
 
+  /// Flat, with as steep waves: 16 x 16 copies of the map over the square from -1 to 1.
+  Scene plane() const;
+
   /// The distance at which a wave covers two pixels of this camera.
   double two_pixels(const Camera& camera) const;
 };
@@ -35,5 +38,15 @@ struct DrawnBy {
   std::optional<TransitionOptions> transition = {};
 };
 Image draw(const Scene& scene, const Camera& camera, const DrawnBy& by);
+
+/// How a plane is looked at and lit.
+struct PlaneView {
+  Representation representation = Representation::automatic;
+  double view = 0, light = 0;  ///< degrees off its normal; the light stands a quarter around from the viewer
+  bool paths = false;          ///< else direct light alone
+  std::optional<double> grown{};  ///< the share of the displacement that `automatic` has
+};
+/// The mean over viewers all around it, of albedo 0.7 under one sun.
+double plane_brightness(const Scene& plane, const PlaneView& view);
 
 }  // namespace recede::bench

@@ -195,26 +195,27 @@ Rgb Appearance::shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3
                         bool passed_on, double displaced) const {
   if (toward_light.z() < 0) return Rgb::Zero();
   if (!shading_ || displaced >= 1) return Rgb::Ones();
-  const auto factors = [&](const Vec3& viewer, const Vec3& light) {
-    const ScatteringTable::Series series = shading_->series(viewer, light);
-    if (!passed_on) return Rgb(Rgb::Constant(static_cast<float>(series[0])));
-    Rgb result;
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      const auto share = static_cast<double>(albedo[k]);
-      result[k] = static_cast<float>(share > 0 ? shading_->sum(series, share) / share : series[0]);
-    }
-    return result;
-  };
-  const Rgb whole = factors(toward_viewer, toward_light);
-  if (displaced == 0) return whole;
-  // Heights times s shade as the whole ones do for directions whose tangents are s times as large.
-  const auto equivalent = [&](const Vec3& direction) {
-    return Vec3(Vec3(displaced * direction.x(), displaced * direction.y(), direction.z()).stableNormalized());
-  };
-  const Vec3 viewer(toward_viewer.x(), toward_viewer.y(), std::max(toward_viewer.z(), 0.0));
-  constexpr float k_least = 0.02f;  // of light that is nearly gone, no more is taken away or given back
-  const Rgb part = factors(equivalent(viewer), equivalent(toward_light)).cwiseMax(k_least);
-  return whole.cwiseQuotient(part);
+  const ScatteringTable::Series whole = shading_->series(toward_viewer, toward_light);
+  double own = 1;  // what a part of the heights shades itself
+  if (displaced > 0) {
+    // Heights times s hide as the whole ones do from directions whose tangents are s times as large.
+    const auto equivalent = [&](const Vec3& direction) {
+      const double z = std::max(direction.z(), 0.0);
+      return Vec3(Vec3(displaced * direction.x(), displaced * direction.y(), z).stableNormalized());
+    };
+    constexpr double k_least = 0.02;  // of light that is nearly gone, no more is taken away or given back
+    own = std::max(k_least, shading_->series(equivalent(toward_viewer), equivalent(toward_light))[0]);
+  }
+  if (!passed_on) return Rgb::Constant(static_cast<float>(whole[0] / own));
+  // Slopes times s pass on s^2 of the light, and rays find that.
+  const double missing = 1 - displaced * displaced;
+  Rgb factors;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto share = static_cast<double>(albedo[k]);
+    const double all = share > 0 ? shading_->sum(whole, share) / share : whole[0];
+    factors[k] = static_cast<float>((whole[0] + missing * (all - whole[0])) / own);
+  }
+  return factors;
 }
 
 Vec3 Appearance::mean_normal(const Vec3& toward_viewer) const {

@@ -81,6 +81,38 @@ TEST(Appearance, OfAFlatMapIsThatOfAFlatSurface) {
   EXPECT_LT((appearance->bump_normal(Vec3::UnitZ(), viewer) - Vec3::UnitZ()).norm(), 1e-9);
 }
 
+TEST(Appearance, OfAFlatMapHasNoShadowsAndPassesNothingOn) {
+  const DisplacementMap flat(4, 4, std::vector<float>(16, 2.0f), MapBorder::periodic);
+  const auto appearance = make_appearance(test::tiled_square(1), flat, quick());
+  const Rgb albedo(0.9f, 0.5f, 0);
+  for (const double angle : {0.0, 0.7, 1.3}) {
+    for (const double displaced : {0.0, 0.3, 1.0}) {
+      const Rgb shading = appearance->shading(albedo, test::direction_at(1, 0.4),
+                                              test::direction_at(angle, 2), true, displaced);
+      // Of the cosine over itself, both by tables of normals in bins.
+      EXPECT_LT((shading - Rgb::Ones()).norm(), 0.01f) << shading.transpose();
+    }
+  }
+  EXPECT_EQ(appearance->shading(albedo, {0, 0, 1}, {0.6, 0, -0.8}, true), Rgb(Rgb::Zero()));
+}
+
+TEST(Appearance, ShadesLightThatComesLow) {
+  const auto appearance = make_appearance(test::tiled_square(1), test::random_waves(2, 0.5), quick());
+  const Rgb white = Rgb::Ones();
+  const Vec3 viewer(0, 0, 1);
+  const auto at = [&](double angle, bool passed_on, double displaced) {
+    return appearance->shading(white, viewer, test::direction_at(angle, 0), passed_on, displaced).x();
+  };
+  EXPECT_NEAR(at(0, false, 0), 1, 0.02);  // from above nothing is in the shade, but for chance
+  EXPECT_LT(at(1.3, false, 0), 0.8);
+  EXPECT_LT(at(1.4, false, 0), at(1.1, false, 0));
+  EXPECT_GT(at(0.5, true, 0), at(0.5, false, 0) + 0.02);
+  // What is left to do for a surface that shades a part itself lies between all and nothing.
+  EXPECT_GT(at(1.3, false, 0.5), at(1.3, false, 0));
+  EXPECT_GT(at(1.3, false, 0.9), at(1.3, false, 0.5));
+  EXPECT_EQ(at(1.3, false, 1), 1);
+}
+
 TEST(Appearance, LampsWithoutShadowsLightSlopesBeyondTheHorizon) {
   if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   const DisplacementMap map = test::random_waves(1, 1.4 / 16);
@@ -146,17 +178,24 @@ TEST(Appearance, OnlyTexelsThatTheSurfaceCoversCount) {
 
 TEST(Appearance, TakesSpikesAndWallsAndMapsOfOneTexel) {
   std::vector<float> spike(64 * 64, 0.0f);
-  spike[100] = 50;
+  spike[100] = 2;  // 32 times as high as a texel is wide
   for (const DisplacementMap& map :
        {DisplacementMap(64, 64, spike, MapBorder::periodic), DisplacementMap(64, 64, spike),
-        test::rough_ground(3, 40, 16), DisplacementMap(1, 1, {3}, MapBorder::periodic)}) {
-    const auto appearance = make_appearance(test::tiled_square(1), map, quick(2048));
+        test::rough_ground(3, 2, 16), DisplacementMap(1, 1, {3}, MapBorder::periodic)}) {
+    AppearanceOptions options = quick(2048);
+    options.reflectance.light_angles = options.reflectance.light_azimuths = 8;
+    const auto appearance = make_appearance(test::tiled_square(1), map, options);
     EXPECT_TRUE(std::isfinite(appearance->wavelength()));
     for (const double angle : {0.0, 0.8, 1.5, k_pi / 2}) {
       const Vec3 viewer = test::direction_at(angle, 1);
       EXPECT_TRUE(appearance->mean_normal(viewer).allFinite());
       const double value = appearance->unshadowed(viewer, test::direction_at(1, 0));
       EXPECT_TRUE(value >= 0 && value <= 1) << value;
+      for (const double displaced : {0.0, 0.5}) {
+        const Rgb shading =
+            appearance->shading(Rgb::Constant(0.8f), viewer, test::direction_at(1, 0), true, displaced);
+        EXPECT_TRUE(shading.allFinite() && shading.minCoeff() >= 0) << shading;
+      }
       EXPECT_NEAR(appearance->bump_normal(Vec3::UnitZ(), viewer).norm(), 1, 1e-9);
     }
   }
