@@ -16,6 +16,9 @@ struct AppearanceSection {
 /// appearance-lobes.png, into the folder of the results.
 AppearanceSection measure_filtered_reflectance(const BenchOptions& options);
 
+/// How far bump maps, redistributed and as they are, and tables are from what rays see of reliefs.
+AppearanceSection measure_agreement(const BenchOptions& options);
+
 /// A torus over which a map of waves repeats, drawn by what each ray needs: speed, brightness and noise
 /// beside displacement everywhere. Times are those of whole pictures, with all threads.
 AppearanceSection measure_transitions(const BenchOptions& options);

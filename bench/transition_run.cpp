@@ -236,7 +236,7 @@ std::string way_table(const TransitionScene& scene, const TransitionScene& plain
 
 /// Pixels of the object that have nothing but the object around them.
 ImageMask inside_of(const Image& image) {
-  ImageMask mask{.width = image.width, .height = image.height};
+  ImageMask mask{image.width, image.height, {}};
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       bool counts = true;

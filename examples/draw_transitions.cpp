@@ -104,7 +104,7 @@ int main(int argc, char** argv) {
   for (const double distance : {0.45, 0.75, 1.0, 1.5, 4.0}) {
     // In units of the distance at which two pixels cover a wave.
     constexpr double unit = 5;
-    constexpr int size = 150;
+    constexpr int size = 96;
     camera.target = {0, -1.1, 0.38};
     camera.position = camera.target + distance * unit * recede::Vec3(0, -0.75, 0.66).normalized();
     camera.field_of_view = 2 * std::atan(appearance->wavelength() / (2 * unit) * size / 2);
