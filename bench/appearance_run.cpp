@@ -6,7 +6,7 @@ namespace recede::bench {
 
 std::string appearance_tables(const BenchOptions& options) {
   std::filesystem::create_directories(options.out);
-  constexpr AppearanceSection (*k_sections[])(const BenchOptions&) = {measure_transitions,
+  constexpr AppearanceSection (*k_sections[])(const BenchOptions&) = {measure_agreement, measure_transitions,
                                                                       measure_filtered_reflectance};
   AppearanceSection all{.markdown = "# Appearances\n", .csv = "section,surface,method,figure,value\n"};
   for (const auto& measure : k_sections) {

@@ -1,5 +1,6 @@
 #include "transition_scene.h"
 
+#include "tiled_surfaces.h"
 #include <recede/render/renderer.h>
 
 #include <algorithm>
@@ -12,29 +13,6 @@ namespace recede::bench {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
-
-PolygonSoup make_torus() {
-  constexpr int k_around = 96, k_tube = 48, k_tiles_around = 60, k_tiles_tube = 25;
-  PolygonSoup soup;
-  for (int i = 0; i < k_around; ++i) {
-    for (int j = 0; j < k_tube; ++j) {
-      const double a = 2 * k_pi * i / k_around, b = 2 * k_pi * j / k_tube;
-      const double radius = 1 + 0.4 * std::cos(b);
-      soup.positions.emplace_back(radius * std::cos(a), radius * std::sin(a), 0.4 * std::sin(b));
-    }
-  }
-  const auto at = [](int i, int j) { return static_cast<Index>(i % k_around * k_tube + j % k_tube); };
-  for (int i = 0; i < k_around; ++i) {
-    for (int j = 0; j < k_tube; ++j) {
-      soup.add_face(std::array<Index, 4>{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-      for (const auto& [p, q] : std::array<std::array<int, 2>, 4>{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}}) {
-        soup.corner_uvs.emplace_back(static_cast<double>(k_tiles_around) * (i + p) / k_around,
-                                     static_cast<double>(k_tiles_tube) * (j + q) / k_tube);
-      }
-    }
-  }
-  return soup;
-}
 
 DisplacementMap make_waves() {
   constexpr int k_size = 64, k_waves = 40;
@@ -71,7 +49,7 @@ Camera with_pixels(Camera camera, const TransitionScene& scene, double two_pixel
 }  // namespace
 
 TransitionScene::TransitionScene(const AppearanceOptions& options)
-    : base(make_torus()),
+    : base(test::tiled_torus(96, 48, 60, 25)),
       map(make_waves()),
       appearance(make_appearance(base, map, options)),
       scene(base, map, {}, SceneOptions{.appearance = appearance}),
@@ -79,10 +57,7 @@ TransitionScene::TransitionScene(const AppearanceOptions& options)
 
 Scene TransitionScene::plane() const {
   constexpr double k_tiles = 16;
-  PolygonSoup square;
-  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
-  square.add_face(std::array<Index, 4>{0, 1, 2, 3});
-  square.corner_uvs = {{0, 0}, {k_tiles, 0}, {k_tiles, k_tiles}, {0, k_tiles}};
+  PolygonSoup square = test::tiled_square(k_tiles);
   square.materials.push_back(
       {.name = "matt", .base_color = Vec4(0.7, 0.7, 0.7, 1), .base_color_texture = ""});
   square.face_materials = {0};

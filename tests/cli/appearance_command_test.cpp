@@ -22,7 +22,7 @@ struct WavyTorus {
   std::string mesh = folder / "torus.obj", map = folder / "waves.png";
 
   WavyTorus() {
-    write_soup(mesh, tiled_torus(48, 24, 6));
+    write_soup(mesh, tiled_torus(48, 24, 15, 6));
     Raster waves;
     waves.width = waves.height = 32;
     for (int k = 0; k < 32 * 32; ++k)

@@ -122,7 +122,7 @@ TEST(AppearanceScene, StaysAsBrightWhileDisplacementGrows) {
 }
 
 TEST(AppearanceScene, AutomaticIsDisplacementNearbyAndTheTableFarAway) {
-  const Scene scene = scene_of(test::tiled_torus(24, 12, 4), test::random_waves(1, 0.05), 2048);
+  const Scene scene = scene_of(test::tiled_torus(24, 12, 10, 4), test::random_waves(1, 0.05), 2048);
   Camera camera;
   camera.position = {0, -3, 2};
   camera.width = camera.height = test::k_sanitized ? 40 : 120;
@@ -142,7 +142,7 @@ TEST(AppearanceScene, AutomaticIsDisplacementNearbyAndTheTableFarAway) {
 TEST(AppearanceScene, TheEnvelopeHidesNothingThatStandsOut) {
   // All that is seen is nearer than 3.9, up to where all is displaced; the far side isn't, so that the
   // envelope is asked.
-  const Scene scene = scene_of(test::tiled_torus(24, 12, 2), test::random_waves(5, 0.15), 2048);
+  const Scene scene = scene_of(test::tiled_torus(24, 12, 5, 2), test::random_waves(5, 0.15), 2048);
   Camera camera;
   camera.position = {0, -2.2, 1.8};
   camera.width = camera.height = test::k_sanitized ? 40 : 160;
@@ -169,6 +169,35 @@ TEST(AppearanceScene, AnEyeBetweenEnvelopeAndHeightsSeesHeights) {
   options.transition = transition_around(0.3);
   EXPECT_EQ(render(scene, camera, options).at(16, 16), displaced.at(16, 16));
   EXPECT_NE(displaced.at(16, 16), options.background);
+}
+
+TEST(AppearanceScene, ARayThatMeetsNothingInTheEnvelopeGetsTheMethodOfWhereItLands) {
+  // A low field with one spike, past which the eye looks at a far wall of the same surface.
+  std::vector<float> heights(64, 0.0f);
+  heights[0] = 0.2f;
+  const DisplacementMap map(8, 8, heights, MapBorder::periodic);
+  PolygonSoup soup = test::tiled_square(1);
+  for (const Vec3& corner : {Vec3(20, 3, -3), Vec3(20, -3, -3), Vec3(20, -3, 3), Vec3(20, 3, 3)})
+    soup.positions.push_back(corner);
+  soup.add_face(std::array<Index, 4>{4, 5, 6, 7});
+  soup.corner_uvs.insert(soup.corner_uvs.end(), {{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  const Scene scene = scene_of(soup, map, 2048);
+  Camera camera;
+  camera.position = {-3, -0.5, 0.15};
+  camera.target = {20, -0.5, 0.15};
+  camera.up = Vec3::UnitZ();
+  camera.width = camera.height = 8;
+  camera.field_of_view = 0.001;
+  RenderOptions options;
+  options.show_methods = true;
+  options.transition = transition_around(5);  // the field is 2 away, the wall 23
+  const Rgb wall = render(scene, camera, options).at(4, 4);
+  EXPECT_GT(wall.x(), 0.3f);  // by the table
+  EXPECT_EQ(wall.y(), 0);
+  camera.target = {0, -0.5, 0};
+  const Rgb field = render(scene, camera, options).at(4, 4);
+  EXPECT_GT(field.y(), 0.3f);  // displaced
+  EXPECT_EQ(field.x(), 0);
 }
 
 TEST(AppearanceScene, FalseColoursTellTheMethod) {
@@ -248,7 +277,7 @@ TEST(AppearanceScene, DrawnAndFoundLightHaveOneMeanOnTables) {
 }
 
 TEST(AppearanceScene, HasTheSameBytesForAnyNumberOfThreads) {
-  const Scene scene = scene_of(test::tiled_torus(24, 12, 4), test::random_waves(1, 0.05), 2048);
+  const Scene scene = scene_of(test::tiled_torus(24, 12, 10, 4), test::random_waves(1, 0.05), 2048);
   Camera camera;
   camera.position = {0, -3, 2};
   camera.width = camera.height = 64;

@@ -18,9 +18,9 @@ inline PolygonSoup tiled_square(double tiles) {
   return soup;
 }
 
-/// A torus around z: its middle circle has the radius 1, its tube 0.4. Quads; `tiles` copies of a map around
-/// the tube and five halves of that around the axis.
-inline PolygonSoup tiled_torus(int around, int tube, int tiles) {
+/// A torus around z: its middle circle has the radius 1, its tube 0.4. Quads, and so many copies of a map
+/// around the axis and around the tube.
+inline PolygonSoup tiled_torus(int around, int tube, int tiles_around, int tiles_tube) {
   PolygonSoup soup;
   for (int i = 0; i < around; ++i) {
     for (int j = 0; j < tube; ++j) {
@@ -34,7 +34,8 @@ inline PolygonSoup tiled_torus(int around, int tube, int tiles) {
     for (int j = 0; j < tube; ++j) {
       soup.add_face(std::array<Index, 4>{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
       for (const auto& [p, q] : std::array<std::array<int, 2>, 4>{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}})
-        soup.corner_uvs.emplace_back(2.5 * tiles * (i + p) / around, 1.0 * tiles * (j + q) / tube);
+        soup.corner_uvs.emplace_back(1.0 * tiles_around * (i + p) / around,
+                                     1.0 * tiles_tube * (j + q) / tube);
     }
   }
   return soup;
