@@ -68,7 +68,7 @@ SeenSurfaces::SeenSurfaces(const SceneData& scene, const CameraFrame& frame, con
 void SeenSurfaces::find(const RayPacket& packet, Block& seen) const {
   seen.fill({});
   if (look_ == nullptr || representation_ == Representation::displacement)
-    return find_displaced(packet, Lanes::all(), seen);
+    return find_displaced(packet, Lanes::all(), {}, seen);
   if (representation_ != Representation::automatic) return find_on_base(packet, Lanes::all(), seen);
   float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
   for (int lane = 0; lane < k_lanes; ++lane) {
@@ -82,7 +82,7 @@ void SeenSurfaces::find(const RayPacket& packet, Block& seen) const {
     return;
   }
   if (static_cast<double>(farthest) + 2 * scene_.radius <= near_ * scene_.scale)
-    return find_displaced(packet, Lanes::all(), seen);
+    return find_displaced(packet, Lanes::all(), {}, seen);
   find_by_method(packet, seen);
 }
 
@@ -117,30 +117,38 @@ MethodShares SeenSurfaces::shares_beside(double distance) const {
   return {.table = 0, .displaced = is_near ? 1.0 : 0.0};
 }
 
-void SeenSurfaces::find_displaced(const RayPacket& packet, const Lanes& lanes, Block& seen) const {
+/// Replaces what `seen` has of these lanes by the hits of their rays.
+void SeenSurfaces::find_hits(const RayPacket& packet, const Lanes& lanes, const RayTarget& target,
+                             Block& seen) const {
   RayPacket own = lanes.of(packet);
-  nearest_hits(scene_, own);
+  nearest_hits(scene_, own, target);
   for (int lane = 0; lane < k_lanes; ++lane) {
     if (!lanes[lane]) continue;
     SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
     surface = {};
     surface.is_there = own.hits(lane);
-    if (!surface.is_there) continue;
-    surface.hit = own.hit(lane);
-    if (is_appearance(surface.hit)) surface.transition.emplace();
+    if (surface.is_there) surface.hit = own.hit(lane);
+  }
+}
+
+/// The heights, or the part of them that `transition` says.
+void SeenSurfaces::find_displaced(const RayPacket& packet, const Lanes& lanes,
+                                  const RenderingTransition& transition, Block& seen) const {
+  const MethodShares shares = shares_of(transition);
+  find_hits(packet, lanes, {.fraction = static_cast<float>(shares.displaced)}, seen);
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
+    if (!lanes[lane] || !surface.is_there) continue;
+    surface.shares = shares;
+    if (is_appearance(surface.hit)) surface.transition = transition;
   }
 }
 
 void SeenSurfaces::find_on_base(const RayPacket& packet, const Lanes& lanes, Block& seen) const {
-  RayPacket own = lanes.of(packet);
-  nearest_hits(scene_, own, {.shape = SurfaceShape::base});
+  find_hits(packet, lanes, {.shape = SurfaceShape::base}, seen);
   for (int lane = 0; lane < k_lanes; ++lane) {
-    if (!lanes[lane]) continue;
     SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
-    surface = {};
-    surface.is_there = own.hits(lane);
-    if (!surface.is_there) continue;
-    surface.hit = own.hit(lane);
+    if (!lanes[lane] || !surface.is_there) continue;
     const auto to_origin = static_cast<double>(packet.entry[lane]);
     if (!is_appearance(surface.hit)) {
       surface.shares = shares_beside((to_origin + static_cast<double>(surface.hit.distance)) / scene_.scale);
@@ -171,7 +179,7 @@ void SeenSurfaces::find_by_method(const RayPacket& packet, Block& seen) const {
     if (!surface.transition || !needs_displacement(*surface.transition)) continue;
     (surface.transition->method == RenderingMethod::displacement ? displaced : growing).choose(lane);
   }
-  if (displaced.any()) find_displaced(packet, displaced, seen);
+  if (displaced.any()) find_displaced(packet, displaced, {}, seen);
   if (growing.any()) find_growing(packet, growing, seen);
   // A ray that goes much farther than heights are deep may have come out again, and met another part of the
   // surface, which has a method of its own.
@@ -232,18 +240,7 @@ void SeenSurfaces::find_growing(const RayPacket& packet, const Lanes& lanes, Blo
       alike.choose(lane);
       left.chosen[i] = false;
     }
-    RayPacket own = alike.of(packet);
-    nearest_hits(scene_, own, {.fraction = static_cast<float>(transition.progress)});
-    for (int lane = 0; lane < k_lanes; ++lane) {
-      if (!alike[lane]) continue;
-      SeenSurface& surface = seen[static_cast<std::size_t>(lane)];
-      surface = {};
-      surface.is_there = own.hits(lane);
-      if (!surface.is_there) continue;
-      surface.hit = own.hit(lane);
-      surface.shares = shares_of(transition);
-      if (is_appearance(surface.hit)) surface.transition = transition;
-    }
+    find_displaced(packet, alike, transition, seen);
   }
 }
 
@@ -292,6 +289,7 @@ void SeenSurfaces::follow(const RayPacket& packet, int lane, SeenSurface& surfac
     surface.is_there = nearest_hit(scene_, ray, surface.hit);
     surface.hit.distance += exit.distance;
     surface.hit.origin = exit.origin;
+    if (!is_appearance(surface.hit)) surface.transition.reset();
     entry = next;
   }
 }

@@ -38,7 +38,9 @@ class SeenSurfaces {
   MethodShares shares_beside(double distance) const;
   bool is_appearance(const Hit& hit) const { return look_ != nullptr && hit.part.object == object_; }
 
-  void find_displaced(const RayPacket& packet, const Lanes& lanes, Block& seen) const;
+  void find_hits(const RayPacket& packet, const Lanes& lanes, const RayTarget& target, Block& seen) const;
+  void find_displaced(const RayPacket& packet, const Lanes& lanes, const RenderingTransition& transition,
+                      Block& seen) const;
   void find_on_base(const RayPacket& packet, const Lanes& lanes, Block& seen) const;
   void find_by_method(const RayPacket& packet, Block& seen) const;
   using Distances = std::array<float, k_lanes>;

@@ -1,4 +1,5 @@
 #include "run_recede.h"
+#include "sanitized.h"
 #include "tiled_surfaces.h"
 #include <recede/geometry/mesh_io.h>
 #include <recede/render/appearance.h>
@@ -46,6 +47,7 @@ struct WavyTorus {
 };
 
 TEST(AppearanceCommand, DrawsWavesByWhatTheDistanceNeeds) {
+  if (k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   const WavyTorus torus;
   const json near = torus.draw_waves(torus.mesh, {"--appearance", "auto", "--transition-distance", "1000"});
   EXPECT_GT(near.at("methods").at("displacement"), 0.1);
@@ -65,6 +67,7 @@ TEST(AppearanceCommand, DrawsWavesByWhatTheDistanceNeeds) {
 }
 
 TEST(AppearanceCommand, FalseColoursShowTheMethod) {
+  if (k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   const WavyTorus torus;
   torus.draw_waves(torus.mesh, {"--appearance", "brdf", "--false-color", "method", "--samples", "1"});
   const Image picture = torus.picture();
@@ -74,6 +77,7 @@ TEST(AppearanceCommand, FalseColoursShowTheMethod) {
 }
 
 TEST(AppearanceCommand, DrawsAMapOverAllLevelsOfAHierarchy) {
+  if (k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   const WavyTorus torus;
   ASSERT_EQ(
       run_recede({"bake", torus.mesh, "-o", torus.folder / "out", "--no-report", "--ratios", "0.3"}).code, 0);
