@@ -1,8 +1,8 @@
 #include "appearance_run.h"
 #include "reliefs.h"
+#include "tiled_surfaces.h"
+#include <recede/render/appearance.h>
 #include <recede/render/hemisphere_square.h>
-#include <recede/render/redistributed_bump.h>
-#include <recede/render/reflectance_table.h>
 
 #include <fmt/format.h>
 
@@ -111,11 +111,11 @@ AppearanceSection measure_agreement(const BenchOptions& options) {
   std::string rows;
   for (const Relief& relief : make_reliefs()) {
     if (!is_wanted(relief.name, options.models)) continue;
-    const DisplacedPlane plane(relief.map, {1, 1});
-    const VisibleNormals normals = sample_visible_normals(plane);
+    const auto appearance = make_appearance(test::tiled_square(2), relief.map, {.shading = false});
+    const DisplacedPlane plane(relief.map, appearance->stretch().sides, PlaneNormals::smooth);
+    const VisibleNormals& normals = appearance->normals();
     const RedistributedBump bump(normals), literal(normals, {.literal = true}),
         undivided(normals, {.conditional = false});
-    const ReflectanceTable table = make_reflectance_table(normals);
     Method plain{"bump map"}, printed{"printed direction"}, without{"rows not divided"},
         ours{"redistributed"}, tabled{"table"};
     for (const double degrees : k_views) {
@@ -128,15 +128,19 @@ AppearanceSection measure_agreement(const BenchOptions& options) {
       plain.worst.add(seen_flat(plane, view, [](const Vec3& n, const Vec3&) { return n; }), displaced);
       printed.worst.add(through(literal), displaced);
       without.worst.add(through(undivided), displaced);
-      ours.worst.add(through(bump), displaced);
-      Seen by_table = displaced;
-      for (std::size_t i = 0; i < by_table.light.size(); ++i)
-        by_table.light[i] = table.value({std::sin(view), 0, std::cos(view)}, lights()[i]);
+      Seen seen = through(bump), by_table = displaced;
+      ours.worst.add(seen, displaced);
+      const Vec3 viewer(std::sin(view), 0, std::cos(view));
+      for (std::size_t i = 0; i < by_table.light.size(); ++i) {
+        by_table.light[i] = appearance->table().value(viewer, lights()[i]);
+        seen.light[i] *= appearance->bump_factor(viewer, lights()[i]);
+      }
+      corrected.worst.add(seen, displaced);
       tabled.worst.add(by_table, displaced);
     }
     rows += fmt::format("| {} |", relief.name);
-    for (const Method& method : {plain, printed, without, ours, tabled}) {
-      rows += text_of(method.worst, method.name != tabled.name);
+    for (const Method& method : {plain, printed, without, ours, corrected, tabled}) {
+      rows += text_of(method.worst, method.name != tabled.name && method.name != corrected.name);
       section.csv += fmt::format(
           "agreement,{},{},total variation,{:.6g}\nagreement,{},{},brightness,{:.6g}\n", relief.name,
           method.name, method.worst.variation, relief.name, method.name, method.worst.brightness);
@@ -148,8 +152,9 @@ AppearanceSection measure_agreement(const BenchOptions& options) {
       "## Agreement\n\nThe largest over views of 15 to 80 degrees: total variation from the normals that are "
       "seen ; error of "
       "brightness under five lights, %.\n\n"
-      "| | bump map | printed direction | rows not divided | **redistributed** | **table** |\n"
-      "|---|---|---|---|---|---|\n" +
+      "| | bump map | printed direction | rows not divided | redistributed | **with its factor** | **table** "
+      "|\n"
+      "|---|---|---|---|---|---|---|\n" +
       rows;
   return section;
 }

@@ -2,6 +2,8 @@
 #include <recede/lod/displaced_base.h>
 #include <recede/render/appearance.h>
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -42,6 +44,13 @@ std::vector<bool> covered_texels(const PolygonSoup& surface, int columns, int ro
     }
   }
   return covered;
+}
+
+bool is_covered(const std::vector<bool>& covered, const DisplacementMap& map, const Vec2& uv) {
+  const int x = std::clamp(static_cast<int>(uv.x() * map.columns()), 0, map.columns() - 1);
+  const int y = std::clamp(static_cast<int>((1 - uv.y()) * map.rows()), 0, map.rows() - 1);
+  return covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.columns()) +
+                 static_cast<std::size_t>(x)];
 }
 
 /// The map, its mirror images to the right and below, and below these the image of both: it has a period.
@@ -100,11 +109,7 @@ VisibleNormals normals_of_images(const DisplacedPlane& plane, const Displacement
   options.normal_at = [&](const Vec2& uv) -> std::optional<Vec3> {
     const auto [u, u_sign] = unfolded(uv.x(), true);
     const auto [v, v_sign] = unfolded(uv.y(), false);  // rows begin above, at v = 1
-    const int x = std::clamp(static_cast<int>(u * map.columns()), 0, map.columns() - 1);
-    const int y = std::clamp(static_cast<int>((1 - v) * map.rows()), 0, map.rows() - 1);
-    if (!covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.columns()) +
-                 static_cast<std::size_t>(x)])
-      return std::nullopt;
+    if (!is_covered(covered, map, {u, v})) return std::nullopt;
     const Vec3 own = normal_at({u, v});
     return Vec3(u_sign * own.x(), v_sign * own.y(), own.z());
   };
@@ -158,32 +163,53 @@ ReflectanceTableOptions from_below(ReflectanceTableOptions options) {
 
 }  // namespace
 
-Appearance::Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
-                       const AppearanceOptions& options, std::optional<ScatteringTable> shading)
-    : stretch_(stretch),
-      wavelength_(wavelength),
-      normals_(std::move(normals)),
-      bump_(normals_, options.redistribution),
+namespace {
+
+template <class Table>
+bool fits(const Table& table, const ReflectanceTable& other) {
+  return table.views == other.views && table.azimuths == other.azimuths &&
+         table.light_angles == other.light_angles && table.light_azimuths == other.light_azimuths;
+}
+
+}  // namespace
+
+Appearance::Appearance(AppearanceTables tables, const AppearanceOptions& options)
+    : tables_(std::move(tables)),
+      bump_(tables_.normals, options.redistribution),
       redistributes_(options.redistribute),
-      table_(make_reflectance_table(normals_, options.reflectance)),
-      from_below_(make_reflectance_table(normals_, from_below(options.reflectance))),
-      sampler_(table_),
-      shading_(std::move(shading)) {
+      table_(make_reflectance_table(tables_.normals, options.reflectance)),
+      from_below_(make_reflectance_table(tables_.normals, from_below(options.reflectance))),
+      sampler_(table_) {
+  const MapStretch& stretch = tables_.stretch;
   if (!stretch.sides.allFinite() || !(stretch.sides.minCoeff() > 0))
     throw OptionError("the sides of a map are lengths greater than 0");
-  if (!(wavelength >= 0) || !std::isfinite(wavelength))
+  if (!(tables_.wavelength >= 0) || !std::isfinite(tables_.wavelength))
     throw OptionError("a wavelength is a length, or 0 for a flat map");
-  if (shading_ &&
-      (shading_->views != table_.views || shading_->azimuths != table_.azimuths ||
-       shading_->light_angles != table_.light_angles || shading_->light_azimuths != table_.light_azimuths ||
-       shading_->values.size() != shading_->slice_count() * shading_->slice_size()))
+  const std::optional<ScatteringTable>& shading = tables_.shading;
+  if (shading &&
+      (!fits(*shading, table_) || shading->values.size() != shading->slice_count() * shading->slice_size()))
     throw InputError("the shading of an appearance has other angles than its table");
-  for (std::size_t slice = 0; slice < normals_.slice_count(); ++slice) {
+  const std::optional<ReflectanceTable>& bump = tables_.bump_light;
+  if (bump && (!fits(*bump, table_) || bump->values.size() != table_.values.size()))
+    throw InputError("the light of an appearance's bump map has other angles than its table");
+  const VisibleNormals& normals = tables_.normals;
+  for (std::size_t slice = 0; slice < normals.slice_count(); ++slice) {
     Vec3 mean = Vec3::Zero();
-    const std::span<const double> shares = normals_.slice(slice);
-    for (std::size_t bin = 0; bin < shares.size(); ++bin) mean += shares[bin] * normals_.normal_of_bin(bin);
+    const std::span<const double> shares = normals.slice(slice);
+    for (std::size_t bin = 0; bin < shares.size(); ++bin) mean += shares[bin] * normals.normal_of_bin(bin);
     mean_normals_.push_back(mean);
   }
+}
+
+double Appearance::bump_factor(const Vec3& toward_viewer, const Vec3& toward_light, double displaced) const {
+  if (!redistributes_ || !tables_.bump_light || displaced >= 1) return 1;
+  // From beyond the horizon as from there.
+  const Vec3 light(toward_light.x(), toward_light.y(), std::max(toward_light.z(), 0.0));
+  const double bump = tables_.bump_light->value(toward_viewer, light);
+  constexpr double k_least = 1e-3, k_most = 4;  // no more is made of what the bump map hardly has
+  const double factor =
+      std::clamp(table_.value(toward_viewer, light) / std::max(bump, k_least), 1 / k_most, k_most);
+  return factor + displaced * (1 - factor);
 }
 
 double Appearance::unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const {
@@ -194,8 +220,9 @@ double Appearance::unshadowed(const Vec3& toward_viewer, const Vec3& toward_ligh
 Rgb Appearance::shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3& toward_light,
                         bool passed_on, double displaced) const {
   if (toward_light.z() < 0) return Rgb::Zero();
-  if (!shading_ || displaced >= 1) return Rgb::Ones();
-  const ScatteringTable::Series whole = shading_->series(toward_viewer, toward_light);
+  const std::optional<ScatteringTable>& shading = tables_.shading;
+  if (!shading || displaced >= 1) return Rgb::Ones();
+  const ScatteringTable::Series whole = shading->series(toward_viewer, toward_light);
   double own = 1;  // what a part of the heights shades itself
   if (displaced > 0) {
     // Heights times s hide as the whole ones do from directions whose tangents are s times as large.
@@ -204,7 +231,7 @@ Rgb Appearance::shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3
       return Vec3(Vec3(displaced * direction.x(), displaced * direction.y(), z).stableNormalized());
     };
     constexpr double k_least = 0.02;  // of light that is nearly gone, no more is taken away or given back
-    own = std::max(k_least, shading_->series(equivalent(toward_viewer), equivalent(toward_light))[0]);
+    own = std::max(k_least, shading->series(equivalent(toward_viewer), equivalent(toward_light))[0]);
   }
   if (!passed_on) return Rgb::Constant(static_cast<float>(whole[0] / own));
   // Slopes times s pass on s^2 of the light, and rays find that.
@@ -212,7 +239,7 @@ Rgb Appearance::shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3
   Rgb factors;
   for (Eigen::Index k = 0; k < 3; ++k) {
     const auto share = static_cast<double>(albedo[k]);
-    const double all = share > 0 ? shading_->sum(whole, share) / share : whole[0];
+    const double all = share > 0 ? shading->sum(whole, share) / share : whole[0];
     factors[k] = static_cast<float>((whole[0] + missing * (all - whole[0])) / own);
   }
   return factors;
@@ -221,7 +248,7 @@ Rgb Appearance::shading(const Rgb& albedo, const Vec3& toward_viewer, const Vec3
 Vec3 Appearance::mean_normal(const Vec3& toward_viewer) const {
   const double level = toward_viewer.head<2>().norm();
   const double c = level > 0 ? toward_viewer.x() / level : 1, s = level > 0 ? toward_viewer.y() / level : 0;
-  const ViewMix mix = mix_for_view(normals_.views, normals_.azimuths,
+  const ViewMix mix = mix_for_view(tables_.normals.views, tables_.normals.azimuths,
                                    std::atan2(level, std::max(toward_viewer.z(), 0.0)), std::atan2(s, c));
   Vec3 mean = Vec3::Zero();
   for (std::size_t k = 0; k < static_cast<std::size_t>(mix.count); ++k)
@@ -254,17 +281,74 @@ ScatteringTable shading_of(const DisplacedPlane& plane, const ReflectanceTable& 
   return table;
 }
 
-std::shared_ptr<const Appearance> appearance_of(const MapStretch& stretch, double wavelength,
-                                                VisibleNormals normals, const DisplacedPlane& plane,
-                                                const VisibleNormals& of_plane,
-                                                const AppearanceOptions& options, Progress* progress) {
-  std::optional<ScatteringTable> shading;
-  if (options.shading) {
-    shading = shading_of(plane, make_reflectance_table(of_plane, options.reflectance),
-                         options.shading_samples, progress);
+/// Places on a unit square, evenly spread (Roberts 2018: powers of the plastic number's inverse), with a
+/// number from 0 to 1 that is spread beside them.
+template <class Use>
+void for_even_places(int count, const Use& use) {
+  const auto fraction = [](double number) { return number - std::floor(number); };
+  for (int k = 0; k < count; ++k) {
+    use(Vec2(fraction(0.5 + k * 0.7548776662466927), fraction(0.5 + k * 0.5698402909980532)),
+        (k + 0.5) / count);
   }
-  return std::make_shared<const Appearance>(stretch, wavelength, std::move(normals), options,
-                                            std::move(shading));
+}
+
+constexpr int k_bump_normals = 8192;
+
+/// A normal of the bump map, and where around it the viewer stands.
+struct TurnedNormal {
+  Vec3 normal;
+  double azimuth = 0;
+};
+
+Vec3 direction_of(double angle, double azimuth) {
+  return {std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth), std::cos(angle)};
+}
+
+ReflectanceTable bump_light_of(const std::vector<TurnedNormal>& own, const VisibleNormals& normals,
+                               const AppearanceOptions& options) {
+  const RedistributedBump bump(normals, options.redistribution);
+  ReflectanceTable table{.views = normals.views,
+                         .azimuths = normals.azimuths,
+                         .light_angles = options.reflectance.light_angles,
+                         .light_azimuths = options.reflectance.light_azimuths};
+  table.values.resize(normals.slice_count() * table.slice_size());
+  const auto azimuths = static_cast<std::size_t>(normals.azimuths);
+  tbb::parallel_for(std::size_t{0}, normals.slice_count(), [&](std::size_t slice) {
+    const double view = normals.view_angle(static_cast<int>(slice / azimuths));
+    std::vector<Vec3> moved;  // in the viewer's frame
+    for (const TurnedNormal& turned : own) {
+      const double azimuth = azimuths == 1 ? turned.azimuth
+                                           : 2 * std::numbers::pi * static_cast<double>(slice % azimuths) /
+                                                 static_cast<double>(azimuths);
+      const Vec3 n = bump.normal_for_view(turned.normal, direction_of(view, azimuth));
+      const double c = std::cos(azimuth), s = std::sin(azimuth);
+      moved.emplace_back(c * n.x() + s * n.y(), c * n.y() - s * n.x(), n.z());
+    }
+    double* values = table.values.data() + slice * table.slice_size();
+    for (int row = 0; row < table.light_angles; ++row) {
+      for (int column = 0; column < table.light_azimuths; ++column) {
+        const Vec3 light = direction_of(row * std::numbers::pi / 2 / (table.light_angles - 1),
+                                        column * 2 * std::numbers::pi / table.light_azimuths);
+        double sum = 0;
+        for (const Vec3& n : moved) sum += std::max(0.0, n.dot(light));
+        values[row * table.light_azimuths + column] = sum / static_cast<double>(moved.size());
+      }
+    }
+  });
+  return table;
+}
+
+/// `of_plane` are the normals of the whole plane, `own` some of those of the bump map.
+std::shared_ptr<const Appearance> appearance_of(AppearanceTables tables, const DisplacedPlane& plane,
+                                                const VisibleNormals& of_plane,
+                                                const std::vector<TurnedNormal>& own,
+                                                const AppearanceOptions& options, Progress* progress) {
+  tables.bump_light = bump_light_of(own, tables.normals, options);
+  if (options.shading) {
+    tables.shading = shading_of(plane, make_reflectance_table(of_plane, options.reflectance),
+                                options.shading_samples, progress);
+  }
+  return std::make_shared<const Appearance>(std::move(tables), options);
 }
 
 /// Of a map that isn't periodic. Shading is that of the whole map with its images.
@@ -275,11 +359,20 @@ std::shared_ptr<const Appearance> appearance_of_images(const PolygonSoup& surfac
   const std::vector<bool> covered = covered_texels(surface, map.columns(), map.rows());
   const DisplacementMap images = with_mirror_images(map);
   const DisplacedPlane plane(images, 2 * stretch.sides, PlaneNormals::smooth);
-  VisibleNormals normals = normals_of_images(plane, map, covered, normal_at, options.normals, progress);
+  AppearanceTables tables{.stretch = stretch, .wavelength = wavelength_of(map, stretch.sides, covered)};
+  tables.normals = normals_of_images(plane, map, covered, normal_at, options.normals, progress);
   VisibleNormals of_plane;
   if (options.shading) of_plane = sample_visible_normals(plane, options.normals, progress);
-  return appearance_of(stretch, wavelength_of(map, stretch.sides, covered), std::move(normals), plane,
-                       of_plane, options, progress);
+  std::vector<TurnedNormal> own;
+  // Many places have no surface.
+  for_even_places(4 * k_bump_normals, [&](const Vec2& uv, double turn) {
+    if (static_cast<int>(own.size()) == k_bump_normals || !is_covered(covered, map, uv)) return;
+    const Vec3 n = normal_at(uv);
+    const double mirror_x = own.size() % 2 == 0 ? 1 : -1, mirror_y = own.size() % 4 < 2 ? 1 : -1;
+    own.push_back({{mirror_x * n.x(), mirror_y * n.y(), n.z()}, 2 * std::numbers::pi * turn});
+  });
+  if (own.empty()) own.push_back({Vec3::UnitZ(), 0});
+  return appearance_of(std::move(tables), plane, of_plane, own, options, progress);
 }
 
 }  // namespace
@@ -289,9 +382,14 @@ std::shared_ptr<const Appearance> make_appearance(const PolygonSoup& surface, co
   const MapStretch stretch = measure_stretch(surface);
   if (map.border() == MapBorder::periodic) {
     const DisplacedPlane plane(map, stretch.sides, PlaneNormals::smooth);
-    const VisibleNormals normals = sample_visible_normals(plane, options.normals, progress);
-    return appearance_of(stretch, wavelength_of(map, stretch.sides, {}), normals, plane, normals, options,
-                         progress);
+    AppearanceTables tables{.stretch = stretch, .wavelength = wavelength_of(map, stretch.sides, {})};
+    tables.normals = sample_visible_normals(plane, options.normals, progress);
+    std::vector<TurnedNormal> own;
+    for_even_places(k_bump_normals, [&](const Vec2& uv, double turn) {
+      own.push_back({plane.normal_at(uv), 2 * std::numbers::pi * turn});
+    });
+    const VisibleNormals of_plane = tables.normals;
+    return appearance_of(std::move(tables), plane, of_plane, own, options, progress);
   }
   const auto normal_at = [&](const Vec2& uv) {
     const Vec2 slope = map.smooth_derivative_at(uv).cwiseQuotient(stretch.sides);

@@ -40,24 +40,42 @@ struct AppearanceOptions {
   bool redistribute = true;
 };
 
+/// What rays and sums found of a displaced surface: all that files keep.
+struct AppearanceTables {
+  MapStretch stretch = {};
+  double wavelength = 0;  ///< object units; 0: flat
+  VisibleNormals normals = {};
+  /// The mean of max(0, N.L) over the normals of the redistributed bump map, where `ReflectanceTable` has
+  /// that over the normals that are seen. It differs where much of the surface has one normal. Unset: no
+  /// difference.
+  std::optional<ReflectanceTable> bump_light = {};
+  /// What bumps make of light by shading each other and passing it on: a scattering table whose values are
+  /// over those of light that nothing shades. Unset: nothing.
+  std::optional<ScatteringTable> shading = {};
+};
+
 /// What the renderer needs to draw a displaced surface by other methods than displacement. Slopes are those
 /// of heights over the mean stretch of the surface, in a frame of its normal and of the directions of u and
 /// v.
 class Appearance {
  public:
-  /// `shading`, as `shading()` has it, fits `normals` and `options.reflectance` in its numbers of angles.
-  /// Throws what `validate` throws, `OptionError` for options of the table out of range and for sides or a
-  /// wavelength that aren't finite or below 0, and `InputError` for a shading that doesn't fit.
-  Appearance(const MapStretch& stretch, double wavelength, VisibleNormals normals,
-             const AppearanceOptions& options = {}, std::optional<ScatteringTable> shading = {});
+  /// Tables must fit `normals` and `options.reflectance` in their numbers of angles. Throws what `validate`
+  /// throws, `OptionError` for options of the table out of range and for sides or a wavelength that aren't
+  /// finite or below 0, and `InputError` for tables that don't fit.
+  explicit Appearance(AppearanceTables tables, const AppearanceOptions& options = {});
 
-  const MapStretch& stretch() const { return stretch_; }
-  double wavelength() const { return wavelength_; }  ///< object units; 0: flat
-  const VisibleNormals& normals() const { return normals_; }
+  const AppearanceTables& tables() const { return tables_; }
+  const MapStretch& stretch() const { return tables_.stretch; }
+  double wavelength() const { return tables_.wavelength; }  ///< object units; 0: flat
+  const VisibleNormals& normals() const { return tables_.normals; }
   /// As `RedistributedBump::normal_for_view`.
   Vec3 bump_normal(const Vec3& own, const Vec3& toward_viewer, double displaced = 0) const {
     return redistributes_ ? bump_.normal_for_view(own, toward_viewer, displaced) : own;
   }
+  /// Factor of the light that the bump map's normals have, so that its mean is that of `unshadowed`. Unit
+  /// vectors in the frame of the surface; arguments as those of `bump_normal`.
+  double bump_factor(const Vec3& toward_viewer, const Vec3& toward_light, double displaced = 0) const;
+
   const ReflectanceTable& table() const { return table_; }
   const ReflectanceSampler& sampler() const { return sampler_; }
 
@@ -65,10 +83,8 @@ class Appearance {
   /// anything. Unit vectors in the frame of the surface.
   double unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const;
 
-  /// What bumps make of light by shading each other and passing it on: a scattering table whose values are
-  /// over those of light that nothing shades. Unset: nothing.
-  const std::optional<ScatteringTable>& shading() const { return shading_; }
-  /// The same as factors of the light that `unshadowed` gives, for an albedo of each channel; with
+  /// `AppearanceTables::shading` as factors of the light that `unshadowed` gives, for an albedo of each
+  /// channel; with
   /// `passed_on` the light that bumps pass to each other is in it. 0 for light from below the horizon.
   ///
   /// `displaced` is the share of the displacement that the surface has already, 0 to 1, which shades itself:
@@ -81,14 +97,11 @@ class Appearance {
   Vec3 mean_normal(const Vec3& toward_viewer) const;
 
  private:
-  MapStretch stretch_;
-  double wavelength_ = 0;
-  VisibleNormals normals_;
+  AppearanceTables tables_;
   RedistributedBump bump_;
   bool redistributes_ = true;
   ReflectanceTable table_, from_below_;
   ReflectanceSampler sampler_;
-  std::optional<ScatteringTable> shading_;
   std::vector<Vec3> mean_normals_;  // by slice, in the viewer's frame
 };
 

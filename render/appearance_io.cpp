@@ -13,10 +13,11 @@
 namespace recede {
 namespace {
 
-// A line of text, six whole numbers of 32 bits, six doubles, the shares of normals and the values of the
-// shading as doubles, all little-endian. Other tables are made from these.
+// A line of text, seven whole numbers of 32 bits, six doubles, and as doubles the shares of normals, the
+// light of the bump map and the values of the shading, where there are some; all little-endian. Other tables
+// are made from these.
 constexpr std::string_view k_head = "recede appearance 1\n";
-constexpr std::size_t k_counts = 6, k_lengths = 6;
+constexpr std::size_t k_counts = 7, k_lengths = 6;
 constexpr std::uint32_t k_most = 1024;  // of each count, as the options have it
 
 }  // namespace
@@ -24,20 +25,22 @@ constexpr std::uint32_t k_most = 1024;  // of each count, as the options have it
 void write_appearance(const std::filesystem::path& path, const Appearance& appearance) {
   const VisibleNormals& normals = appearance.normals();
   const ReflectanceTable& table = appearance.table();
-  const std::optional<ScatteringTable>& shading = appearance.shading();
+  const std::optional<ReflectanceTable>& bump = appearance.tables().bump_light;
+  const std::optional<ScatteringTable>& shading = appearance.tables().shading;
   std::string bytes(k_head);
   for (const int count : {normals.bins, normals.views, normals.azimuths, table.light_angles,
-                          table.light_azimuths, shading ? shading->orders : 0})
+                          table.light_azimuths, bump ? 1 : 0, shading ? shading->orders : 0})
     detail::append_bytes(bytes, static_cast<std::uint32_t>(count));
   const MapStretch& stretch = appearance.stretch();
   for (const double length : {stretch.sides.x(), stretch.sides.y(), stretch.spread.x(), stretch.spread.y(),
                               appearance.wavelength(), shading ? shading->hits_again : 0.0})
     detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(length));
   for (const double share : normals.shares) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(share));
-  if (shading) {
-    for (const double value : shading->values)
-      detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
-  }
+  const auto append = [&](const std::vector<double>& values) {
+    for (const double value : values) detail::append_bytes(bytes, std::bit_cast<std::uint64_t>(value));
+  };
+  if (bump) append(bump->values);
+  if (shading) append(shading->values);
   write_file_atomically(path, bytes);
 }
 
@@ -50,10 +53,9 @@ std::shared_ptr<const Appearance> read_appearance(const std::filesystem::path& p
   for (std::size_t i = 0; i < k_counts; ++i) {
     const std::size_t at = k_head.size() + 4 * i;
     const auto count = detail::number_at<std::uint32_t>(bytes, at);
-    const bool is_orders = i == k_counts - 1;
-    const std::uint32_t least = is_orders ? 0 : i == 3 ? 2 : 1;
-    if (count < least || count > (is_orders ? ScatteringTable::k_most_orders : k_most))
-      throw InputError::at_byte(name, at, "a count out of range");
+    const std::uint32_t least = i >= 5 ? 0 : i == 3 ? 2 : 1;
+    const std::uint32_t most = i == 6 ? ScatteringTable::k_most_orders : i == 5 ? 1 : k_most;
+    if (count < least || count > most) throw InputError::at_byte(name, at, "a count out of range");
     counts[i] = static_cast<int>(count);
   }
   std::array<double, k_lengths> lengths{};
@@ -65,30 +67,37 @@ std::shared_ptr<const Appearance> read_appearance(const std::filesystem::path& p
   }
   VisibleNormals normals{.bins = counts[0], .views = counts[1], .azimuths = counts[2]};
   const std::size_t shares = normals.slice_count() * normals.bin_count();
+  ReflectanceTable bump{
+      .views = counts[1], .azimuths = counts[2], .light_angles = counts[3], .light_azimuths = counts[4]};
   ScatteringTable shading{.views = counts[1],
                           .azimuths = counts[2],
                           .light_angles = counts[3],
                           .light_azimuths = counts[4],
-                          .orders = counts[5],
+                          .orders = counts[6],
                           .hits_again = lengths[5]};
+  const std::size_t lights = counts[5] == 0 ? 0 : shading.slice_count() * bump.slice_size();
   const std::size_t factors = shading.slice_count() * shading.slice_size();
-  if (bytes.size() - start != (shares + factors) * 8)
+  if (bytes.size() - start != (shares + lights + factors) * 8)
     throw InputError::in_file(name, "the file is longer or shorter than its distributions");
-  const auto number = [&](std::size_t i) {
-    return std::bit_cast<double>(detail::number_at<std::uint64_t>(bytes, start + 8 * i));
+  std::size_t next = start;
+  const auto read = [&](std::size_t count, std::vector<double>& values) {
+    for (const std::size_t end = next + 8 * count; next < end; next += 8) {
+      values.push_back(std::bit_cast<double>(detail::number_at<std::uint64_t>(bytes, next)));
+      if (!(values.back() >= 0) || !std::isfinite(values.back()))
+        throw InputError::at_byte(name, next, "a number is negative or not finite");
+    }
   };
-  for (std::size_t i = 0; i < shares; ++i) normals.shares.push_back(number(i));
-  for (std::size_t i = shares; i < shares + factors; ++i) {
-    if (!(number(i) >= 0) || !std::isfinite(number(i)))
-      throw InputError::at_byte(name, start + 8 * i, "a factor of light out of range");
-    shading.values.push_back(number(i));
-  }
-  const MapStretch stretch{{lengths[0], lengths[1]}, {lengths[2], lengths[3]}};
+  read(shares, normals.shares);
+  read(lights, bump.values);
+  read(factors, shading.values);
+  AppearanceTables tables{.stretch = {{lengths[0], lengths[1]}, {lengths[2], lengths[3]}},
+                          .wavelength = lengths[4],
+                          .normals = std::move(normals)};
+  if (lights > 0) tables.bump_light = std::move(bump);
+  if (factors > 0) tables.shading = std::move(shading);
+  const AppearanceOptions options{.reflectance = {.light_angles = counts[3], .light_azimuths = counts[4]}};
   try {
-    return std::make_shared<const Appearance>(
-        stretch, lengths[4], std::move(normals),
-        AppearanceOptions{.reflectance = {.light_angles = counts[3], .light_azimuths = counts[4]}},
-        shading.orders > 0 ? std::optional(std::move(shading)) : std::nullopt);
+    return std::make_shared<const Appearance>(std::move(tables), options);
   } catch (const InputError& error) {
     throw InputError::in_file(name, error.what());
   }

@@ -92,11 +92,16 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
 double facing(const SurfaceLook& look, const Vec3& toward_light) {
   const double by_normal = std::max(0.0, look.normal.cast<double>().dot(toward_light));
   const MethodLook& method = look.method;
+  if (method.appearance == nullptr) return by_normal;
+  const Vec3 light = method.frame.to_local(toward_light);
   const double share = method.shares.table;
-  if (method.appearance == nullptr || share == 0) return by_normal;
-  const double by_table =
-      method.appearance->unshadowed(method.toward_viewer, method.frame.to_local(toward_light));
-  return (1 - share) * by_normal + share * by_table;
+  double value = 0;
+  if (share < 1) {
+    value = (1 - share) * by_normal *
+            method.appearance->bump_factor(method.toward_viewer, light, method.shares.displaced);
+  }
+  if (share > 0) value += share * method.appearance->unshadowed(method.toward_viewer, light);
+  return value;
 }
 
 Vec3 mean_normal(const SurfaceLook& look) {
@@ -168,7 +173,11 @@ Rgb scattered_light(const SurfacePoint& point, const Vec3& toward) {
     return static_cast<float>(scattered_by_normal(point, toward)) * point.albedo;
   const Vec3 toward_light = method.frame.to_local(toward);
   const double share = method.shares.table;
-  double value = share < 1 ? (1 - share) * scattered_by_normal(point, toward) : 0;
+  double value = 0;
+  if (share < 1) {
+    value = (1 - share) * scattered_by_normal(point, toward) *
+            method.appearance->bump_factor(method.toward_viewer, toward_light, method.shares.displaced);
+  }
   if (share > 0)
     value += share * method.appearance->table().value(method.toward_viewer, toward_light) / std::numbers::pi;
   const Rgb shading = method.appearance->shading(point.albedo, method.toward_viewer, toward_light,

@@ -212,8 +212,9 @@ TEST(Appearance, IsTheSameAfterWritingAndReading) {
   EXPECT_EQ(read->stretch().spread, written->stretch().spread);
   EXPECT_EQ(read->wavelength(), written->wavelength());
   EXPECT_EQ(read->table().values, written->table().values);
-  EXPECT_EQ(read->shading()->values, written->shading()->values);
-  EXPECT_EQ(read->shading()->hits_again, written->shading()->hits_again);
+  EXPECT_EQ(read->tables().bump_light->values, written->tables().bump_light->values);
+  EXPECT_EQ(read->tables().shading->values, written->tables().shading->values);
+  EXPECT_EQ(read->tables().shading->hits_again, written->tables().shading->hits_again);
 }
 
 TEST(Appearance, RefusesFilesThatArentOne) {
@@ -228,12 +229,12 @@ TEST(Appearance, RefusesFilesThatArentOne) {
     write_file_atomically(path, changed);
     EXPECT_THROW(read_appearance(path), InputError);
   };
-  constexpr std::size_t k_counts = 20, k_lengths = 44, k_shares = 92;
+  constexpr std::size_t k_counts = 20, k_lengths = 48, k_shares = 96;
   refuses("");
   refuses(bytes.substr(0, 50));
   refuses(bytes.substr(0, bytes.size() - 1));
   refuses(bytes + "x");
-  for (std::size_t count = 0; count < 6; ++count) {
+  for (std::size_t count = 0; count < 7; ++count) {
     std::string changed = bytes;
     changed[k_counts + 4 * count + 3] = 1;  // millions
     refuses(changed);
@@ -253,13 +254,15 @@ TEST(Appearance, RefusesFilesThatArentOne) {
   EXPECT_NO_THROW(read_appearance(path));
 }
 
-TEST(Appearance, RefusesSidesAndWavesThatCantBe) {
+TEST(Appearance, RefusesTablesThatCantBe) {
   const VisibleNormals flat{.bins = 1, .views = 1, .azimuths = 1, .shares = {1, 1}};
-  EXPECT_NO_THROW(Appearance(MapStretch{}, 1, flat));
-  EXPECT_THROW(Appearance(MapStretch{.sides = {0, 1}}, 1, flat), OptionError);
-  EXPECT_THROW(Appearance(MapStretch{.sides = {1, NAN}}, 1, flat), OptionError);
-  EXPECT_THROW(Appearance(MapStretch{}, -1, flat), OptionError);
-  EXPECT_THROW(Appearance(MapStretch{}, INFINITY, flat), OptionError);
+  EXPECT_NO_THROW(Appearance({.normals = flat}));
+  EXPECT_THROW(Appearance({.stretch = {.sides = {0, 1}}, .normals = flat}), OptionError);
+  EXPECT_THROW(Appearance({.stretch = {.sides = {1, NAN}}, .normals = flat}), OptionError);
+  EXPECT_THROW(Appearance({.wavelength = -1, .normals = flat}), OptionError);
+  EXPECT_THROW(Appearance({.wavelength = INFINITY, .normals = flat}), OptionError);
+  EXPECT_THROW(Appearance({.normals = flat, .bump_light = ReflectanceTable{}}), InputError);
+  EXPECT_THROW(Appearance({.normals = flat, .shading = ScatteringTable{}}), InputError);
 }
 
 }  // namespace
