@@ -117,7 +117,7 @@ AppearanceSection measure_agreement(const BenchOptions& options) {
     const RedistributedBump bump(normals), literal(normals, {.literal = true}),
         undivided(normals, {.conditional = false});
     Method plain{"bump map"}, printed{"printed direction"}, without{"rows not divided"},
-        ours{"redistributed"}, tabled{"table"};
+        ours{"redistributed"}, corrected{"with its factor"}, tabled{"table"};
     for (const double degrees : k_views) {
       const double view = degrees * k_pi / 180;
       const Seen displaced = seen_displaced(plane, view);
