@@ -199,16 +199,24 @@ Appearance::Appearance(AppearanceTables tables, const AppearanceOptions& options
     for (std::size_t bin = 0; bin < shares.size(); ++bin) mean += shares[bin] * normals.normal_of_bin(bin);
     mean_normals_.push_back(mean);
   }
+  if (bump && normals.azimuths == 1) {
+    bump_factors_ = detail::FactorGrid(
+        [&](const Vec3& viewer, const Vec3& light) { return exact_bump_factor(viewer, light); });
+  }
 }
 
-double Appearance::bump_factor(const Vec3& toward_viewer, const Vec3& toward_light, double displaced) const {
-  if (!redistributes_ || !tables_.bump_light || displaced >= 1) return 1;
+double Appearance::exact_bump_factor(const Vec3& toward_viewer, const Vec3& toward_light) const {
   // From beyond the horizon as from there.
   const Vec3 light(toward_light.x(), toward_light.y(), std::max(toward_light.z(), 0.0));
   const double bump = tables_.bump_light->value(toward_viewer, light);
   constexpr double k_least = 1e-3, k_most = 4;  // no more is made of what the bump map hardly has
-  const double factor =
-      std::clamp(table_.value(toward_viewer, light) / std::max(bump, k_least), 1 / k_most, k_most);
+  return std::clamp(table_.value(toward_viewer, light) / std::max(bump, k_least), 1 / k_most, k_most);
+}
+
+double Appearance::bump_factor(const Vec3& toward_viewer, const Vec3& toward_light, double displaced) const {
+  if (!redistributes_ || !tables_.bump_light || displaced >= 1) return 1;
+  const double factor = bump_factors_.is_empty() ? exact_bump_factor(toward_viewer, toward_light)
+                                                 : bump_factors_(toward_viewer, toward_light);
   return factor + displaced * (1 - factor);
 }
 

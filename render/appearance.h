@@ -3,6 +3,7 @@
 
 #include <recede/geometry/polygon_soup.h>
 #include <recede/lod/displacement_bake.h>
+#include <recede/render/detail/factor_grid.h>
 #include <recede/render/redistributed_bump.h>
 #include <recede/render/reflectance_table.h>
 #include <recede/render/scattering_table.h>
@@ -97,12 +98,15 @@ class Appearance {
   Vec3 mean_normal(const Vec3& toward_viewer) const;
 
  private:
+  double exact_bump_factor(const Vec3& toward_viewer, const Vec3& toward_light) const;
+
   AppearanceTables tables_;
   RedistributedBump bump_;
   bool redistributes_ = true;
   ReflectanceTable table_, from_below_;
   ReflectanceSampler sampler_;
-  std::vector<Vec3> mean_normals_;  // by slice, in the viewer's frame
+  std::vector<Vec3> mean_normals_;   // by slice, in the viewer's frame
+  detail::FactorGrid bump_factors_;  // of the bump map's light; empty where azimuths matter, or for none
 };
 
 /// The appearances of heights over a surface. A map that isn't periodic is taken with its mirror images, and
