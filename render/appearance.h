@@ -1,9 +1,9 @@
 // How one displaced surface looks as geometry, as a bump map and as a BRDF, so that all three agree.
 #pragma once
 
-#include <recede/geometry/polygon_soup.h>
 #include <recede/lod/displacement_bake.h>
 #include <recede/render/detail/factor_grid.h>
+#include <recede/render/map_stretch.h>
 #include <recede/render/redistributed_bump.h>
 #include <recede/render/reflectance_table.h>
 #include <recede/render/scattering_table.h>
@@ -13,20 +13,6 @@
 #include <optional>
 
 namespace recede {
-
-/// How the texture coordinates of a surface stretch over it.
-struct MapStretch {
-  Vec2 sides = Vec2::Ones();   ///< lengths of steps of 1 in u and in v on the surface: means by area
-  Vec2 spread = Vec2::Zero();  ///< their standard deviations as shares of the means, by area
-};
-
-/// Triangles without area in the texture are left out. Throws `InputError` for a surface without texture
-/// coordinates or on which all of them lie on a line.
-MapStretch measure_stretch(const PolygonSoup& surface);
-
-/// The length of a typical wave of heights: 2 pi times the RMS of heights over that of slopes, for a sine its
-/// wavelength. In object units when `sides` are; 0 for a flat map.
-double mean_wavelength(const DisplacementMap& map, const Vec2& sides);
 
 struct AppearanceOptions {
   VisibleNormalsOptions normals = {};
@@ -85,8 +71,8 @@ class Appearance {
   double unshadowed(const Vec3& toward_viewer, const Vec3& toward_light) const;
 
   /// `AppearanceTables::shading` as factors of the light that `unshadowed` gives, for an albedo of each
-  /// channel; with
-  /// `passed_on` the light that bumps pass to each other is in it. 0 for light from below the horizon.
+  /// channel; with `passed_on` the light that bumps pass to each other is in it. 0 for light from below the
+  /// horizon.
   ///
   /// `displaced` is the share of the displacement that the surface has already, 0 to 1, which shades itself:
   /// the rest is returned, at 1 nothing.
