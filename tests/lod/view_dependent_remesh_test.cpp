@@ -132,7 +132,7 @@ TEST(ViewDependentRemesh, TreatsNeighboursThatKnowNothingOfEachOtherAlike) {
       for (const FootprintRule rule : {FootprintRule::none, FootprintRule::by_side, FootprintRule::mean}) {
         std::array<std::vector<Vec3>, 2> edges;
         bool is_halved = false;
-        for (const std::size_t side : {0, 1}) {
+        for (const std::size_t side : {0u, 1u}) {
           // The second has the edge the other way round.
           PolygonSoup soup = soup_of({side == 0 ? a : b, side == 0 ? b : a, tops[side]}, {{0, 1, 2}});
           soup.corner_uvs = {{0.1, 0.2}, {0.8, 0.5}, {0.3, 0.9}};
