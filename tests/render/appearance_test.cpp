@@ -98,7 +98,9 @@ TEST(Appearance, OfAMapThatEndsIsThatOfItsMirrorImages) {
     for (int x = 0; x < 64; ++x) heights.push_back(static_cast<float>(x) / 32);
   }
   const DisplacementMap ramp(64, 8, heights);
-  const auto appearance = make_appearance(test::tiled_square(1), ramp, quick(1 << 15));
+  AppearanceOptions options = quick(1 << 15);
+  options.shading = false;
+  const auto appearance = make_appearance(test::tiled_square(1), ramp, options);
   // From above half of the normals lean to one side, half to the other; all other views show more of those
   // that lean towards them, never others. Texels at the ends have half the slope or none.
   const VisibleNormals& normals = appearance->normals();
@@ -122,7 +124,9 @@ TEST(Appearance, OnlyTexelsThatTheSurfaceCoversCount) {
   }
   PolygonSoup surface = test::tiled_square(1);
   for (Vec2& uv : surface.corner_uvs) uv.x() = 0.6 + 0.4 * uv.x();
-  const auto appearance = make_appearance(surface, DisplacementMap(32, 32, heights), quick());
+  AppearanceOptions options = quick();
+  options.shading = false;
+  const auto appearance = make_appearance(surface, DisplacementMap(32, 32, heights), options);
   for (std::size_t slice = 0; slice < appearance->normals().slice_count(); ++slice)
     EXPECT_EQ(appearance->normals().slice(slice)[appearance->normals().bin_count() / 2], 1);
   EXPECT_EQ(appearance->wavelength(), 0);

@@ -1,3 +1,4 @@
+#include "sanitized.h"
 #include "temp_folder.h"
 #include "traced_plane.h"
 #include <recede/geometry/atomic_file.h>
@@ -57,10 +58,12 @@ TEST(ScatteringTable, AgreesWithTracedPathsWhereEveryTexelIsAtRandom) {
   expect_agreement(test::rough_ground(3, 0.7), {24, 24});
 }
 TEST(ScatteringTable, AgreesWithTracedPathsOnAMapOfMoreTexelsThanPlaces) {
+  if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   expect_agreement(test::random_waves(1, 5.6, 128), {32, 32});
 }
 
 TEST(ScatteringTable, KnowsTheAzimuthsOfGrooves) {
+  if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   const DisplacementMap map = test::groove(32);
   const DisplacedPlane plane(map, {1, 1});
   const ScatteringTable table = make_scattering_table(plane, {.azimuths = 8});
