@@ -14,12 +14,6 @@ constexpr double k_pi = std::numbers::pi;
 constexpr double k_degree = k_pi / 180;
 constexpr int k_places = 1 << 17;
 
-/// Under sanitizers, tests that measure are left out, and the others need no good distributions.
-VisibleNormalsOptions affordable(VisibleNormalsOptions options) {
-  if (test::k_sanitized) options.samples = std::min(options.samples, 8192);
-  return options;
-}
-
 /// A displaced plane with all that is made of it.
 struct Surface {
   const char* name;
@@ -27,7 +21,7 @@ struct Surface {
   Vec2 sides;
   VisibleNormalsOptions options;
   DisplacedPlane plane{map, sides};
-  VisibleNormals normals = sample_visible_normals(plane, affordable(options));
+  VisibleNormals normals = sample_visible_normals(plane, options);
   RedistributedBump bump{normals};
   ReflectanceTable table = make_reflectance_table(normals);
 
