@@ -1,3 +1,4 @@
+#include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/map_surface.h>
 #include <recede/render/detail/appearance_look.h>
 
@@ -105,6 +106,21 @@ PolygonSoup raised_base(const PolygonSoup& base, double height) {
     raised.positions[vertex] = base.positions[vertex] + height * direction;
   }
   return raised;
+}
+
+double least_direction(const PolygonSoup& base) {
+  const std::vector<Index> points = points_of_corners(base);
+  const std::vector<Vec3> directions = point_directions(base, points);
+  std::vector<Index> corners;
+  triangulate(base, nullptr, &corners);
+  double least = 1;
+  for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
+    const Triangle triangle{directions[points[corners[c]]], directions[points[corners[c + 1]]],
+                            directions[points[corners[c + 2]]]};
+    least = std::min(least, closest_point_on_triangle(Vec3::Zero(), triangle).norm());
+  }
+  constexpr double k_least = 0.05;
+  return std::max(least, k_least);
 }
 
 std::vector<BorderSide> border_sides(const PolygonSoup& base) {

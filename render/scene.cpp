@@ -189,7 +189,12 @@ void build_embree_scenes(SceneData& data) {
 
 void make_envelope(const PolygonSoup& base, const detail::HeightSpan& span, SceneData& data) {
   detail::AppearanceScenes& scenes = *data.appearances;
-  scenes.envelope_positions = scaled_positions(detail::raised_base(base, span.largest), data);
+  // Of all points, so that it holds what stands along unit directions between corners, too.
+  const double reach = 1 / detail::least_direction(base);
+  const auto at = [&](double height) {
+    return detail::raised_base(base, span.mean + reach * (height - span.mean));
+  };
+  scenes.envelope_positions = scaled_positions(at(span.largest), data);
   std::vector<Index> corners;
   triangulate(base, nullptr, &corners);
   for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
@@ -197,7 +202,7 @@ void make_envelope(const PolygonSoup& base, const detail::HeightSpan& span, Scen
                                          base.corner_vertices[corners[c + 1]],
                                          base.corner_vertices[corners[c + 2]]});
   }
-  const Positions below = scaled_positions(detail::raised_base(base, span.least), data);
+  const Positions below = scaled_positions(at(span.least), data);
   for (const detail::BorderSide& border : detail::border_sides(base)) {
     const std::array<std::uint32_t, 3> triangle = scenes.envelope_triangles[border.triangle];
     const std::uint32_t a = triangle[border.side], b = triangle[(border.side + 1) % 3];

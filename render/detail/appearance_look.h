@@ -63,6 +63,11 @@ HeightSpan span_of(const DisplacementMap& heights);
 /// result. Corners with bit-equal positions move alike.
 PolygonSoup raised_base(const PolygonSoup& base, double height);
 
+/// The shortest that directions of the points, which are unit, become when they are interpolated in a
+/// triangle of `triangulate(base)`: heights along unit directions reach as much farther than along these. At
+/// least 0.05, where directions cancel out.
+double least_direction(const PolygonSoup& base);
+
 /// A side of a triangle of `triangulate(base)` that no other one has: from its corner `side` to the next.
 struct BorderSide {
   std::uint32_t triangle = 0, side = 0;

@@ -160,6 +160,24 @@ TEST(AppearanceScene, TheEnvelopeHidesNothingThatStandsOut) {
   EXPECT_EQ(render(scene, camera, options).pixels, displaced.pixels);
 }
 
+TEST(AppearanceScene, TheEnvelopeHoldsHeightsOverTrianglesWhoseCornersPointApart) {
+  // A tube of six sides, on which plateaus stand: between corners, directions are made unit length, and
+  // heights stand out farther than a triangle between the corners that were moved.
+  const DisplacementMap plateaus = test::map_of(16, [](double u, double) { return u < 0.5 ? 0.0 : 0.4; });
+  const Scene scene = scene_of(test::tiled_torus(8, 6, 4, 1), plateaus, 2048, 5);
+  Camera camera;
+  camera.position = {0, -4, 1.8};
+  camera.width = camera.height = test::k_sanitized ? 40 : 160;
+  RenderOptions options;
+  options.representation = Representation::displacement;
+  const Image displaced = render(scene, camera, options);
+  options.representation = Representation::automatic;
+  // All that is seen is nearer than 6.3, up to where all is displaced; the far end of the sphere around it
+  // isn't, so that each ray decides for itself.
+  options.transition = TransitionOptions{.unit = 0.63, .threshold = -1};
+  EXPECT_EQ(render(scene, camera, options).pixels, displaced.pixels);
+}
+
 TEST(AppearanceScene, AnEyeBetweenEnvelopeAndHeightsSeesHeights) {
   const DisplacementMap map = test::map_of(32, [](double u, double) { return u < 0.5 ? 0.0 : 0.4; });
   const Scene scene = scene_of(test::tiled_square(1), map, 2048);
