@@ -35,17 +35,22 @@ std::vector<std::uint8_t> mixed_levels(const PolygonSoup& base, int least, int m
   return levels;
 }
 
-/// Rays from around the middle of a closed surface that get out: aimed at the base's corners, at its sides,
-/// at corners and sides of small triangles, and at random, by turns.
-std::size_t leaks(const Vec3& center, bool is_mixed, std::size_t rays) {
-  const DisplacedSurface surface = rough_sphere(8, center, 5);
+/// Levels 1 to 6, mixed, or the surface's own.
+DisplacedMeshOptions levels_of(const DisplacedSurface& surface, bool is_mixed) {
   DisplacedMeshOptions options;
   if (is_mixed) {
     options.triangle_levels = mixed_levels(surface.base, 1, 6);
   } else {
     options.level = surface.level;
   }
-  const DisplacedMesh mesh(surface.base, surface.map, options);
+  return options;
+}
+
+/// Rays from around the middle of a closed surface that get out: aimed at the base's corners, at its sides,
+/// at corners and sides of small triangles, and at random, by turns.
+std::size_t leaks(const Vec3& center, bool is_mixed, std::size_t rays) {
+  const DisplacedSurface surface = rough_sphere(8, center, 5);
+  const DisplacedMesh mesh(surface.base, surface.map, levels_of(surface, is_mixed));
   const PolygonSoup small = mesh.tessellate();
   constexpr int k_tasks = 1024;
   return count_in_parallel(k_tasks, [&](int task) {
@@ -103,13 +108,7 @@ std::string first_hits_line(const BenchOptions& options) {
   std::string text;
   for (const bool is_mixed : {false, true}) {
     const DisplacedSurface surface = rough_sphere(8, Vec3::Zero(), 5);
-    DisplacedMeshOptions mesh_options;
-    if (is_mixed) {
-      mesh_options.triangle_levels = mixed_levels(surface.base, 1, 6);
-    } else {
-      mesh_options.level = surface.level;
-    }
-    const DisplacedMesh mesh(surface.base, surface.map, mesh_options);
+    const DisplacedMesh mesh(surface.base, surface.map, levels_of(surface, is_mixed));
     std::vector<std::uint64_t> numbers;
     const DisplacedScene reference = one_by_one(device, mesh, numbers);
     const std::size_t per_task = rays / 2 / 1024;

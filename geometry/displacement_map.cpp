@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace recede {
 namespace {
@@ -123,6 +124,21 @@ Vec2 DisplacementMap::smooth_derivative_at(const Vec2& uv) const {
   const double step = scale_ / most_ / 2;
   return {step * between(right(1), right(2), y.fraction) * columns_,
           -step * between(down(1), down(2), x.fraction) * rows_};
+}
+
+DisplacementMap raise_heights(const DisplacementMap& map, double height) {
+  if (map.whole_samples().empty()) {
+    std::vector<float> heights = map.float_samples();
+    const auto step = static_cast<float>(height);
+    for (float& h : heights) h += step;
+    return DisplacementMap(map.columns(), map.rows(), std::move(heights), map.border());
+  }
+  Raster samples;
+  samples.width = map.columns();
+  samples.height = map.rows();
+  samples.bits = map.bits();
+  samples.samples = map.whole_samples();
+  return DisplacementMap(std::move(samples), map.scale(), map.offset() + height, map.border());
 }
 
 }  // namespace recede

@@ -92,6 +92,9 @@ class DisplacementMap {
   std::vector<float> floats_;
 };
 
+/// The map with a length added to all heights, object units. Floats stay floats, whole samples whole.
+DisplacementMap raise_heights(const DisplacementMap& map, double height);
+
 /// How the numbers of a file become heights.
 struct DisplacementMapOptions {
   /// height = offset + scale * value, object units. Values of PNG files run from 0 to 1, those of OpenEXR

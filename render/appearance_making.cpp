@@ -1,6 +1,8 @@
 #include <recede/geometry/error.h>
 #include <recede/lod/displaced_base.h>
 #include <recede/render/appearance.h>
+#include <recede/render/detail/angle_knots.h>
+#include <recede/render/detail/even_points.h>
 
 #include <tbb/parallel_for.h>
 
@@ -80,28 +82,13 @@ ScatteringTable shading_of(const DisplacedPlane& plane, const ReflectanceTable& 
   return table;
 }
 
-/// Places on a unit square, evenly spread (Roberts 2018: powers of the plastic number's inverse), with a
-/// number from 0 to 1 that is spread beside them.
-template <class Use>
-void for_even_places(int count, const Use& use) {
-  const auto fraction = [](double number) { return number - std::floor(number); };
-  for (int k = 0; k < count; ++k) {
-    use(Vec2(fraction(0.5 + k * 0.7548776662466927), fraction(0.5 + k * 0.5698402909980532)),
-        (k + 0.5) / count);
-  }
-}
-
-constexpr int k_bump_normals = 8192;
+constexpr std::size_t k_bump_normals = 8192;
 
 /// A normal of the bump map, and where around it the viewer stands.
 struct TurnedNormal {
   Vec3 normal;
   double azimuth = 0;
 };
-
-Vec3 direction_of(double angle, double azimuth) {
-  return {std::sin(angle) * std::cos(azimuth), std::sin(angle) * std::sin(azimuth), std::cos(angle)};
-}
 
 ReflectanceTable bump_light_of(const std::vector<TurnedNormal>& own, const VisibleNormals& normals,
                                const AppearanceOptions& options) {
@@ -119,15 +106,15 @@ ReflectanceTable bump_light_of(const std::vector<TurnedNormal>& own, const Visib
       const double azimuth = azimuths == 1 ? turned.azimuth
                                            : 2 * std::numbers::pi * static_cast<double>(slice % azimuths) /
                                                  static_cast<double>(azimuths);
-      const Vec3 n = bump.normal_for_view(turned.normal, direction_of(view, azimuth));
+      const Vec3 n = bump.normal_for_view(turned.normal, detail::direction_of(view, azimuth));
       const double c = std::cos(azimuth), s = std::sin(azimuth);
       moved.emplace_back(c * n.x() + s * n.y(), c * n.y() - s * n.x(), n.z());
     }
     double* values = table.values.data() + slice * table.slice_size();
     for (int row = 0; row < table.light_angles; ++row) {
       for (int column = 0; column < table.light_azimuths; ++column) {
-        const Vec3 light = direction_of(row * std::numbers::pi / 2 / (table.light_angles - 1),
-                                        column * 2 * std::numbers::pi / table.light_azimuths);
+        const Vec3 light = detail::direction_of(row * std::numbers::pi / 2 / (table.light_angles - 1),
+                                                column * 2 * std::numbers::pi / table.light_azimuths);
         double sum = 0;
         for (const Vec3& n : moved) sum += std::max(0.0, n.dot(light));
         values[row * table.light_azimuths + column] = sum / static_cast<double>(moved.size());
@@ -164,12 +151,15 @@ std::shared_ptr<const Appearance> appearance_of_images(const PolygonSoup& surfac
   if (options.shading) of_plane = sample_visible_normals(plane, options.normals, progress);
   std::vector<TurnedNormal> own;
   // Many places have no surface.
-  for_even_places(4 * k_bump_normals, [&](const Vec2& uv, double turn) {
-    if (static_cast<int>(own.size()) == k_bump_normals || !is_covered(covered, map, uv)) return;
+  const detail::EvenPoints places(0, true);
+  for (std::uint64_t k = 0; k < 4 * k_bump_normals && own.size() < k_bump_normals; ++k) {
+    const Vec3 place = places.point(k);
+    const Vec2 uv = place.head<2>();
+    if (!is_covered(covered, map, uv)) continue;
     const Vec3 n = normal_at(uv);
     const double mirror_x = own.size() % 2 == 0 ? 1 : -1, mirror_y = own.size() % 4 < 2 ? 1 : -1;
-    own.push_back({{mirror_x * n.x(), mirror_y * n.y(), n.z()}, 2 * std::numbers::pi * turn});
-  });
+    own.push_back({{mirror_x * n.x(), mirror_y * n.y(), n.z()}, 2 * std::numbers::pi * place.z()});
+  }
   if (own.empty()) own.push_back({Vec3::UnitZ(), 0});
   return appearance_of(std::move(tables), plane, of_plane, own, options, progress);
 }
@@ -184,9 +174,11 @@ std::shared_ptr<const Appearance> make_appearance(const PolygonSoup& surface, co
     AppearanceTables tables{.stretch = stretch, .wavelength = mean_wavelength(map, stretch.sides)};
     tables.normals = sample_visible_normals(plane, options.normals, progress);
     std::vector<TurnedNormal> own;
-    for_even_places(k_bump_normals, [&](const Vec2& uv, double turn) {
-      own.push_back({plane.normal_at(uv), 2 * std::numbers::pi * turn});
-    });
+    const detail::EvenPoints places(0, true);
+    for (std::uint64_t k = 0; k < k_bump_normals; ++k) {
+      const Vec3 place = places.point(k);
+      own.push_back({plane.normal_at(place.head<2>()), 2 * std::numbers::pi * place.z()});
+    }
     const VisibleNormals of_plane = tables.normals;
     return appearance_of(std::move(tables), plane, of_plane, own, options, progress);
   }

@@ -49,27 +49,4 @@ TransitionOptions transition_for_wavelength(double wavelength, double pixel) {
   return transition_around(wavelength / (k_pixels * pixel));
 }
 
-DisplacementMap lowered_below_base(const DisplacementMap& map) {
-  double highest = -std::numeric_limits<double>::infinity();
-  for (int y = 0; y < map.rows(); ++y) {
-    for (int x = 0; x < map.columns(); ++x) highest = std::max(highest, map.texel(x, y));
-  }
-  return raised(map, -highest);
-}
-
-DisplacementMap raised(const DisplacementMap& map, double height) {
-  if (map.whole_samples().empty()) {
-    std::vector<float> heights = map.float_samples();
-    const auto step = static_cast<float>(height);
-    for (float& h : heights) h += step;
-    return DisplacementMap(map.columns(), map.rows(), std::move(heights), map.border());
-  }
-  Raster samples;
-  samples.width = map.columns();
-  samples.height = map.rows();
-  samples.bits = map.bits();
-  samples.samples = map.whole_samples();
-  return DisplacementMap(std::move(samples), map.scale(), map.offset() + height, map.border());
-}
-
 }  // namespace recede

@@ -4,8 +4,6 @@
 // displaced levels of detail, its chapter on transitions, with its corrected signs.
 #pragma once
 
-#include <recede/geometry/displacement_map.h>
-
 namespace recede {
 
 enum class RenderingMethod { brdf, brdf_to_bump, bump, bump_to_displacement, displacement };
@@ -44,11 +42,5 @@ TransitionOptions transition_around(double distance);
 /// Around the distance at which a wave of heights of the given length (object units, 0: flat) covers two
 /// pixels, which are `pixel` wide at the distance 1: what is shorter can't be told apart.
 TransitionOptions transition_for_wavelength(double wavelength, double pixel);
-
-/// The map with its heights lowered so that the largest is 0: what is displaced lies within its base, which a
-/// ray must meet first. Floats stay floats, whole samples whole.
-DisplacementMap lowered_below_base(const DisplacementMap& map);
-/// The map with this length added to all heights. Floats stay floats, whole samples whole.
-DisplacementMap raised(const DisplacementMap& map, double height);
 
 }  // namespace recede

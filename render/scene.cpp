@@ -5,7 +5,6 @@
 #include <recede/render/detail/embree_device.h>
 #include <recede/render/detail/ground_disc.h>
 #include <recede/render/detail/scene_data.h>
-#include <recede/render/rendering_transition.h>
 #include <recede/render/scene.h>
 
 #include <tbb/parallel_for.h>
@@ -284,7 +283,7 @@ void Scene::build_with_appearance(const PolygonSoup& base, const DisplacementMap
   const detail::HeightSpan span = detail::span_of(heights);
   const PolygonSoup middle = detail::raised_base(base, span.mean);
   displacement.partial = true;
-  auto look = std::make_shared<DisplacedLook>(middle, raised(heights, -span.mean), displacement);
+  auto look = std::make_shared<DisplacedLook>(middle, raise_heights(heights, -span.mean), displacement);
   std::vector<Vec3> normals =
       maps.corner_tangents.empty() ? drawn_normals(base, options.crease_angle) : middle.corner_normals;
   look->appearance.emplace(middle, std::move(normals), maps, options.appearance);

@@ -92,6 +92,17 @@ TEST(DisplacementMap, ScalesItsSamples) {
   EXPECT_EQ(DisplacementMap({1, 1, 1, 8, false, {255}}, -2, 1).height_at({.3, .4}), -1);
 }
 
+TEST(DisplacementMap, IsRaisedAsItIsStored) {
+  const DisplacementMap whole = raise_heights(DisplacementMap({2, 1, 1, 16, false, {0, 65535}}, 3, -1), 0.5);
+  EXPECT_EQ(whole.bits(), 16);
+  EXPECT_EQ(whole.texel(0, 0), -0.5);
+  EXPECT_EQ(whole.texel(1, 0), 2.5);
+  const DisplacementMap floats = raise_heights(two_by_two(MapBorder::periodic), -4);
+  EXPECT_EQ(floats.bits(), 0);
+  EXPECT_EQ(floats.border(), MapBorder::periodic);
+  EXPECT_EQ(floats.texel(1, 1), 0);
+}
+
 TEST(DisplacementMap, HasTheDerivativesOfItsHeights) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(-1, 2);

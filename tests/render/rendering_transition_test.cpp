@@ -1,12 +1,11 @@
-#include "chart_sphere.h"
 #include <recede/geometry/error.h>
-#include <recede/render/displaced_mesh.h>
 #include <recede/render/rendering_transition.h>
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <random>
+#include <limits>
 
 namespace recede {
 namespace {
@@ -58,34 +57,24 @@ TEST(RenderingTransition, ProgressRunsFromNothingToAllWithinTransitionsOnly) {
   EXPECT_EQ(rendering_transition(1.01).method, RenderingMethod::displacement);
 }
 
-TEST(RenderingTransition, ALoweredMapStaysWithinItsBase) {
-  for (const bool floats : {false, true}) {
-    const DisplacementMap map = floats ? test::rough_float_map(30, 20, -0.1, 0.2, MapBorder::clamped, 3)
-                                       : test::rough_map(30, 20, -0.1, 0.2, MapBorder::clamped, 3);
-    const DisplacementMap lowered = lowered_below_base(map);
-    double highest = -1;
-    for (int y = 0; y < 20; ++y) {
-      for (int x = 0; x < 30; ++x) {
-        highest = std::max(highest, lowered.texel(x, y));
-        EXPECT_NEAR(lowered.texel(x, y) - lowered.texel(0, 0), map.texel(x, y) - map.texel(0, 0), 1e-7);
-      }
-    }
-    EXPECT_NEAR(highest, 0, 1e-15);
-    DisplacedMeshOptions options;
-    options.level = 4;
-    const PolygonSoup base = test::chart_sphere(4, Vec3::Zero());
-    const DisplacedMesh displaced(base, lowered, options), bare(base, DisplacementMap(1, 1, {0.0f}), options);
-    std::mt19937 random(2);
-    std::normal_distribution<double> normal;
-    for (int k = 0; k < 2000; ++k) {
-      const Vec3 from = 2 * Vec3(normal(random), normal(random), normal(random)).normalized();
-      const Vec3 to = Vec3(normal(random), normal(random), normal(random)).normalized();
-      const auto hit = displaced.first_hit(from, to - from), first = bare.first_hit(from, to - from);
-      if (!hit) continue;
-      ASSERT_TRUE(first);
-      EXPECT_GE(hit->t, first->t - 1e-6);  // some steps of float
-    }
+TEST(RenderingTransition, AroundADistanceAllMethodsHaveAPlace) {
+  // 1 / d = (2 + e (cos + 0.1)) / 2 in units of the distance.
+  const TransitionOptions options = transition_around(10);
+  const std::array<double, 4> straight{22.22, 11.98, 8.58, 6.45}, aside{10.53, 10.15, 9.85, 9.52};
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(transition_distance(k_transition_values[k], 1, options), straight[k], 0.01);
+    EXPECT_NEAR(transition_distance(k_transition_values[k], 0, options), aside[k], 0.01);
+    // Twice the distance moves all of them by twice.
+    EXPECT_NEAR(transition_distance(k_transition_values[k], 0.3, transition_around(20)),
+                2 * transition_distance(k_transition_values[k], 0.3, options), 1e-12);
   }
+  EXPECT_NEAR(transition_value(10, 0.7, options), 0, 1e-15);
+  EXPECT_LT(transition_value(1e-9, 0.7, transition_around(0)), -1);  // flat: the table from everywhere
+}
+
+TEST(RenderingTransition, AWaveCoversTwoPixelsWhereItIsAZero) {
+  // 0.2 long; pixels of 0.01 at the distance 1 are 0.1 at 10.
+  EXPECT_NEAR(transition_value(10, 1, transition_for_wavelength(0.2, 0.01)), 0, 1e-15);
 }
 
 TEST(RenderingTransition, NumbersOutOfRangeAreRefused) {
