@@ -127,6 +127,36 @@ TEST(AppearanceScene, StaysAsBrightWhileDisplacementGrows) {
   }
 }
 
+TEST(AppearanceScene, RidgesLookAsTheyDoFromEachAzimuth) {
+  if (test::k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
+  const PolygonSoup square = test::tiled_square(16);
+  const DisplacementMap ridges =
+      test::map_of(32, [](double u, double) { return 0.012 * std::sin(2 * k_pi * u); });
+  AppearanceOptions appearance;
+  appearance.normals = {.bins = 61, .azimuths = 8, .samples = 1 << 15};
+  SceneOptions options;
+  options.appearance = make_appearance(square, ridges, appearance);
+  DisplacedMeshOptions displacement;
+  displacement.level = k_fine;
+  const Scene scene(square, ridges, displacement, options);
+  RenderOptions drawing = lit_by({0.1, 0.9, 0.2}, 4);
+  std::array<double, 2> displaced{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    // Pictures of 4 ridges side by side, or of 8 one behind the other: none is cut off.
+    Camera camera = camera_above(k_pi / 3, 400, 64, static_cast<double>(i) * k_pi / 2);
+    camera.field_of_view = 2 * std::atan(0.25 / 400);
+    const auto mean = [&](Representation representation) {
+      drawing.representation = representation;
+      return mean_of(render(scene, camera, drawing));
+    };
+    displaced[i] = mean(Representation::displacement);
+    // Ridges crowd along a line in the square of normals, narrower than a bin.
+    EXPECT_NEAR(mean(Representation::brdf) / displaced[i], 1, 0.01) << i;
+    EXPECT_NEAR(mean(Representation::bump) / displaced[i], 1, 0.01) << i;
+  }
+  EXPECT_GT(std::abs(displaced[0] / displaced[1] - 1), 0.05);  // so that a mean over azimuths would be off
+}
+
 TEST(AppearanceScene, AutomaticIsDisplacementNearbyAndTheTableFarAway) {
   const Scene scene = scene_of(test::tiled_torus(24, 12, 10, 4), test::random_waves(1, 0.05), 2048);
   Camera camera;
