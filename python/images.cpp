@@ -96,7 +96,7 @@ ImageMeasures diff(const py::handle& a, const py::handle& b, const py::handle& m
 
 Rgb color_of(const py::handle& numbers) { return numbers.cast<Vec3>().cast<float>(); }
 
-/// Tuples by kind of light, as `_lights` of the package makes them.
+/// Tuples by kind of light, as `light_tuples` of the package makes them.
 Lighting read_lights(const py::dict& from, const Vec3& up) {
   Lighting lighting;
   for (const py::handle item : from["point"]) {

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import pi
 from typing import Any, Optional, Union
 
@@ -50,6 +49,7 @@ from ._recede import (
     Subdivision,
 )
 from . import _recede
+from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
 
 __all__ = [
     "Appearance", "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
@@ -451,99 +451,6 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
     return _recede.subdivide(mesh, options, progress)
 
 
-Color = Union[float, Sequence[float]]
-"""One number for all channels, or red, green and blue."""
-
-
-@dataclass(frozen=True)
-class PointLight:
-    """Shines alike in all directions; a surface at distance r that faces it has the irradiance intensity / r^2."""
-
-    position: Sequence[float]
-    intensity: Color = 1.0
-
-
-@dataclass(frozen=True)
-class DirectionalLight:
-    """A sun: `irradiance` is of a surface that faces it, `angular_radius` of its disc, degrees (0: sharp shadows)."""
-
-    toward: Sequence[float]
-    irradiance: Color = 3.0
-    angular_radius: float = 0.0
-
-
-@dataclass(frozen=True)
-class AreaLight:
-    """A parallelogram that shines to where `first_edge` x `second_edge` points, or to both sides."""
-
-    corner: Sequence[float]
-    first_edge: Sequence[float]
-    second_edge: Sequence[float]
-    radiance: Color = 1.0
-    two_sided: bool = False
-
-
-@dataclass(frozen=True)
-class EnvironmentLight:
-    """Light from all around: a path or a picture of all directions, row 0 above, or one colour.
-
-    The middle column is what a camera in front sees behind the mesh. `rotation` is counter-clockwise seen from above,
-    degrees; `scale` multiplies. When not `visible` it lights, but the picture has its plain background.
-    """
-
-    radiance: Union[Path, npt.ArrayLike] = 1.0
-    rotation: float = 0.0
-    scale: float = 1.0
-    visible: bool = True
-
-
-Light = Union[PointLight, DirectionalLight, AreaLight, EnvironmentLight]
-
-
-def _color(color: Any) -> list[float]:
-    values = np.atleast_1d(np.asarray(color, dtype=float))
-    if values.shape not in ((1,), (3,)):
-        raise OptionError("a colour is one number, or red, green and blue")
-    return [float(value) for value in np.broadcast_to(values, 3)]
-
-
-def _vector(vector: Any) -> list[float]:
-    values = np.asarray(vector, dtype=float)
-    if values.shape != (3,):
-        raise OptionError("places and directions of lights are three numbers")
-    return [float(value) for value in values]
-
-
-def _environment(light: EnvironmentLight) -> tuple[Any, ...]:
-    picture: Any = light.radiance
-    if not isinstance(picture, (str, os.PathLike)):
-        picture = np.asarray(picture)
-        if picture.ndim < 2:
-            picture = np.array(_color(picture), dtype=np.float32).reshape(1, 1, 3)
-    return picture, light.rotation * pi / 180, light.scale, light.visible
-
-
-def _lights(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
-    sorted_lights: dict[str, list[tuple[Any, ...]]] = {"point": [], "directional": [], "area": [], "environment": []}
-    for light in lights:
-        if isinstance(light, PointLight):
-            sorted_lights["point"].append((_vector(light.position), _color(light.intensity)))
-        elif isinstance(light, DirectionalLight):
-            sorted_lights["directional"].append(
-                (_vector(light.toward), _color(light.irradiance), light.angular_radius * pi / 180))
-        elif isinstance(light, AreaLight):
-            sorted_lights["area"].append(
-                (_vector(light.corner), _vector(light.first_edge), _vector(light.second_edge), _color(light.radiance),
-                 light.two_sided))
-        elif isinstance(light, EnvironmentLight):
-            sorted_lights["environment"].append(_environment(light))
-        else:
-            raise TypeError(f"{light!r} is no light")
-    if len(sorted_lights["environment"]) > 1:
-        raise OptionError("a scene has one environment")
-    return sorted_lights
-
-
 def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
            up: Sequence[float] = (0, 1, 0), field_of_view: float = 45, image_width: int = 800, image_height: int = 600,
            samples: int = 16, wireframe: bool = False, flat: bool = False, ground: bool = False,
@@ -577,7 +484,7 @@ def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, ey
     """
     if lighting == "camera" and lights is not None:
         raise OptionError("lights need lighting \"direct\" or \"path\"")
-    options = {"lighting": lighting, "lights": None if lights is None else _lights(lights), "ambient": ambient,
+    options = {"lighting": lighting, "lights": None if lights is None else light_tuples(lights), "ambient": ambient,
                "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
                "wireframe": wireframe, "flat": flat, "ground": ground, "height": height, "periodic": periodic,
                "subdivision_level": subdivision_level, "appearance": appearance, "representation": representation,
