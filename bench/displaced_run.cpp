@@ -113,7 +113,7 @@ struct Figures {
   double packets = 0, camera = 0, incoherent = 0;  ///< million rays a second
 };
 
-double best(std::size_t runs, const std::function<double()>& rate) {
+double median_rate(std::size_t runs, const std::function<double()>& rate) {
   std::vector<double> rates;
   while (rates.size() < runs) rates.push_back(rate());
   return median(rates);
@@ -156,9 +156,9 @@ Figures measure_scene(const DisplacedSystem& system, DisplacedSurface surface, i
   const auto count =
       static_cast<std::size_t>(1e-3 * system.rays_of_thousand * static_cast<double>(camera.size()));
   const bool is_slow = system.rays_of_thousand < 1000;
-  if (!is_slow) figures.packets = best(repeats, [&] { return packet_rate(scene.scene, camera); });
-  figures.camera = best(repeats, [&] { return single_rate(scene.scene, camera, count, true); });
-  figures.incoherent = best(repeats, [&] { return single_rate(scene.scene, any, count, false); });
+  if (!is_slow) figures.packets = median_rate(repeats, [&] { return packet_rate(scene.scene, camera); });
+  figures.camera = median_rate(repeats, [&] { return single_rate(scene.scene, camera, count, true); });
+  figures.incoherent = median_rate(repeats, [&] { return single_rate(scene.scene, any, count, false); });
   return figures;
 }
 
