@@ -11,20 +11,14 @@ namespace {
 using detail::BezierNet;
 using detail::DerivativeEnclosure;
 using detail::IntervalVec3;
+using detail::rounded_down;
+using detail::rounded_up;
 
 constexpr double k_near_enough = 1.3;     // a bound over what was met
 constexpr double k_for_rounding = 1e-12;  // added to bounds, relative
 constexpr double k_float_step = 2e-7;     // more than a step of single precision
 constexpr double k_most_nodes = 1 << 20;  // about, of one surface
 constexpr int k_most_halvings = 12;       // of a Bezier patch
-
-float rounded_up(double value) {
-  if (value == 0) return 0;
-  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
-}
-float rounded_down(double value) {
-  return std::nextafter(static_cast<float>(value), -std::numeric_limits<float>::infinity());
-}
 
 double deviation_of(const DerivativeBounds& bounds, double width, double height) {
   return (width * width * bounds.uu + 2 * width * height * bounds.uv + height * height * bounds.vv) / 8;

@@ -5,8 +5,17 @@
 #include <recede/geometry/vec.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace recede::detail {
+
+/// In single precision, but not below (or above) the number. None stays none.
+inline float rounded_up(double value) {
+  if (value == 0) return 0;
+  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
+}
+inline float rounded_down(double value) { return -rounded_up(-value); }
 
 struct Interval {
   double lower, upper;

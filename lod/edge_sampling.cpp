@@ -1,0 +1,250 @@
+#include <recede/lod/detail/edge_sampling.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recede::detail {
+
+namespace {
+
+constexpr int k_most_halvings = 16;
+
+// The control points of a use between two shares, times weights, in the edge's direction.
+using CurveNet = std::vector<Vec3>;
+
+Vec2 projected(const Vec3& point) { return point.head<2>() / point.z(); }
+
+// Where knots of any use lie, as shares of the edge from 0 to 1.
+std::vector<double> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
+  std::vector<double> breaks;
+  for (int i = 0; i <= least_pieces; ++i) breaks.push_back(static_cast<double>(i) / least_pieces);
+  for (const EdgeUse& use : uses) {
+    for (const double knot : use.curve->knots) {
+      const double share = (knot - use.range.begin) / use.range.length();
+      if (share > 0 && share < 1) breaks.push_back(use.runs_against ? 1 - share : share);
+    }
+  }
+  std::sort(breaks.begin(), breaks.end());
+  // Knots of two uses that mean the same place differ by rounding.
+  constexpr double k_same = 1e-9;
+  std::vector<double> distinct{0};
+  for (const double share : breaks) {
+    if (share > distinct.back() + k_same && share < 1 - k_same) distinct.push_back(share);
+  }
+  distinct.push_back(1);
+  return distinct;
+}
+
+double parameter_at(const EdgeUse& use, double share) {
+  if (use.runs_against) share = 1 - share;
+  return share >= 1 ? use.range.end : use.range.begin + share * use.range.length();
+}
+
+CurveNet net_between(const EdgeUse& use, double from, double to) {
+  ParameterRange range{parameter_at(use, from), parameter_at(use, to)};
+  if (use.runs_against) std::swap(range.begin, range.end);
+  const NurbsCurve2 piece = part(*use.curve, range);
+  CurveNet net;
+  for (std::size_t i = 0; i < piece.points.size(); ++i) {
+    const double weight = piece.is_rational() ? piece.weights[i] : 1.0;
+    net.emplace_back(weight * piece.points[i].x(), weight * piece.points[i].y(), weight);
+  }
+  if (use.runs_against) std::reverse(net.begin(), net.end());
+  return net;
+}
+
+std::array<CurveNet, 2> halves(const CurveNet& net) {
+  CurveNet left = net, right = net;
+  for (std::size_t round = 1; round < net.size(); ++round) {
+    for (std::size_t i = 0; i + round < net.size(); ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+    left[round] = right[0];
+  }
+  return {left, right};
+}
+
+class EdgeSampler {
+ public:
+  EdgeSampler(std::span<const EdgeUse> uses, double tolerance)
+      : uses_(uses), tolerance_(tolerance), result_(uses.size()) {}
+
+  std::vector<SampledUse> run(int least_pieces) {
+    const std::vector<double> breaks = breaks_of(uses_, least_pieces);
+    for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
+      std::vector<CurveNet> nets;
+      for (const EdgeUse& use : uses_) nets.push_back(net_between(use, breaks[i], breaks[i + 1]));
+      if (i == 0) {
+        for (std::size_t k = 0; k < uses_.size(); ++k) {
+          result_[k].parameters.push_back(parameter_at(uses_[k], 0));
+          result_[k].uvs.push_back(projected(nets[k].front()));
+        }
+      }
+      add(nets, {breaks[i], breaks[i + 1]}, k_most_halvings);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  // Adds the points of a piece without its first.
+  void add(const std::vector<CurveNet>& nets, const ParameterRange& shares, int halvings_left) {
+    std::vector<double> widths;
+    bool is_good = true;
+    for (std::size_t k = 0; k < uses_.size(); ++k) {
+      std::vector<Vec2> points;
+      for (const Vec3& point : nets[k]) points.push_back(projected(point));
+      const SurfaceBounds& bounds = uses_[k].surface->bounds;
+      widths.push_back(strip_width(bounds, points, points.front(), points.back()));
+      is_good =
+          is_good && widths.back() + chord_deviation(bounds, points.front(), points.back()) <= tolerance_;
+    }
+    if (is_good || halvings_left == 0) {
+      for (std::size_t k = 0; k < uses_.size(); ++k) {
+        result_[k].parameters.push_back(parameter_at(uses_[k], shares.end));
+        result_[k].uvs.push_back(projected(nets[k].back()));
+        result_[k].widths.push_back(widths[k]);
+      }
+      return;
+    }
+    std::vector<CurveNet> left, right;
+    for (const CurveNet& net : nets) {
+      std::array<CurveNet, 2> both = halves(net);
+      left.push_back(std::move(both[0]));
+      right.push_back(std::move(both[1]));
+    }
+    const double middle = (shares.begin + shares.end) / 2;
+    add(left, {shares.begin, middle}, halvings_left - 1);
+    add(right, {middle, shares.end}, halvings_left - 1);
+  }
+
+  std::span<const EdgeUse> uses_;
+  double tolerance_;
+  std::vector<SampledUse> result_;
+};
+
+SampledUse sampled_at(const EdgeUse& use, std::span<const double> shares) {
+  SampledUse result;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    result.parameters.push_back(parameter_at(use, shares[i]));
+    result.uvs.push_back(evaluate(*use.curve, result.parameters.back()));
+    if (i == 0) continue;
+    std::vector<Vec2> points;
+    for (const Vec3& point : net_between(use, shares[i - 1], shares[i])) points.push_back(projected(point));
+    result.widths.push_back(strip_width(use.surface->bounds, points, result.uvs[i - 1], result.uvs[i]));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<SampledUse> sample_edge(std::span<const EdgeUse> uses, double tolerance, int least_pieces) {
+  return EdgeSampler(uses, tolerance).run(least_pieces);
+}
+
+Polyline polyline_of(const EdgeUse& use, double tolerance, int least_pieces) {
+  const SampledUse sampled = sample_edge({&use, 1}, tolerance, least_pieces).front();
+  Polyline line{sampled.parameters, {}};
+  for (const Vec2& uv : sampled.uvs) line.points.push_back(use.surface->shape.evaluate(uv));
+  return line;
+}
+
+Foot foot_on(const Polyline& line, const Vec3& point) {
+  Foot foot;
+  for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
+    const Vec3 along = line.points[i + 1] - line.points[i], to = point - line.points[i];
+    const double squared = along.squaredNorm();
+    const double share = squared > 0 ? std::clamp(to.dot(along) / squared, 0.0, 1.0) : 0.0;
+    const double distance = (to - share * along).norm();
+    if (distance < foot.distance)
+      foot = {distance, line.parameters[i] + share * (line.parameters[i + 1] - line.parameters[i])};
+  }
+  return foot;
+}
+
+double nearest_parameter(const EdgeUse& use, double t, const Vec3& point) {
+  for (int step = 0; step < 4; ++step) {
+    const CurveDerivatives<2> at = derivatives(*use.curve, t);
+    const SurfaceDerivatives there = use.surface->shape.derivatives(at.point);
+    const Vec3 along = at.first.x() * there.du + at.first.y() * there.dv;
+    const double squared = along.squaredNorm();
+    if (!(squared > 0)) break;
+    t = std::clamp(t + (point - there.point).dot(along) / squared, use.range.begin, use.range.end);
+  }
+  return t;
+}
+
+std::vector<SampledUse> sample_matched_edge(std::span<const EdgeUse> uses, double tolerance, double gap,
+                                            int least_pieces) {
+  // Points of one use fall a little beside those of another, which makes some pieces longer.
+  constexpr double k_for_shifts = 0.7;
+  std::vector<Polyline> lines;
+  for (const EdgeUse& use : uses) lines.push_back(polyline_of(use, k_for_shifts * tolerance, least_pieces));
+  // Places on the first use, in its direction, as shares of it.
+  const EdgeUse& leader = uses.front();
+  const auto share_on = [&](std::size_t k, double t) {
+    const double share = (t - uses[k].range.begin) / uses[k].range.length();
+    return uses[k].runs_against ? 1 - share : share;
+  };
+  std::vector<double> places;
+  for (std::size_t k = 0; k < uses.size(); ++k) {
+    for (std::size_t i = 1; i + 1 < lines[k].points.size(); ++i) {
+      const double t = k == 0 ? lines[0].parameters[i] : foot_on(lines[0], lines[k].points[i]).parameter;
+      places.push_back(share_on(0, t));
+    }
+  }
+  std::sort(places.begin(), places.end());
+  // The places as shares of each use, without those that would turn back on one of them.
+  std::vector<std::vector<double>> shares(uses.size(), {0.0});
+  Vec3 last = lines[0].points.front();
+  for (const double place : places) {
+    const Vec3 point = leader.surface->shape.evaluate(evaluate(*leader.curve, parameter_at(leader, place)));
+    if ((point - last).norm() <= gap / 2 || (point - lines[0].points.back()).norm() <= gap / 2) continue;
+    std::vector<double> here(uses.size(), place);
+    bool moves_on = place > shares[0].back();
+    for (std::size_t k = 1; k < uses.size() && moves_on; ++k) {
+      const double t = nearest_parameter(uses[k], foot_on(lines[k], point).parameter, point);
+      here[k] = share_on(k, t);
+      constexpr double k_least_step = 1e-9;
+      moves_on = here[k] > shares[k].back() + k_least_step && here[k] < 1 - k_least_step;
+    }
+    if (!moves_on) continue;
+    for (std::size_t k = 0; k < uses.size(); ++k) shares[k].push_back(here[k]);
+    last = point;
+  }
+  std::vector<SampledUse> result(uses.size());
+  for (std::size_t k = 0; k < uses.size(); ++k) {
+    shares[k].push_back(1);
+    result[k] = sampled_at(uses[k], shares[k]);
+  }
+  return result;
+}
+
+double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, const Vec2& from,
+                   const Vec2& to) {
+  ParameterBox around;
+  around.extend(from);
+  around.extend(to);
+  const ParameterBox chord_box = around;
+  for (const Vec2& point : points) around.extend(point);
+  // On the chord already: parallel to an axis.
+  if (around.contains(chord_box) && chord_box.contains(around) && (around.sizes().array() == 0).any())
+    return 0;
+  const DerivativeBounds most = bounds.derivatives(around);
+  const Vec2 scale(most.u, most.v);
+  const Vec2 chord = (to - from).cwiseProduct(scale);
+  const double squared = chord.squaredNorm();
+  double widest = 0;
+  for (const Vec2& point : points) {
+    const Vec2 away = (point - from).cwiseProduct(scale);
+    const double share = squared > 0 ? std::clamp(away.dot(chord) / squared, 0.0, 1.0) : 0.0;
+    widest = std::max(widest, (away - share * chord).lpNorm<1>());
+  }
+  return widest;
+}
+
+double chord_deviation(const SurfaceBounds& bounds, const Vec2& from, const Vec2& to) {
+  ParameterBox box;
+  box.extend(from);
+  box.extend(to);
+  return bounds.deviation(box);
+}
+
+}  // namespace recede::detail

@@ -1,0 +1,217 @@
+#include <recede/geometry/detail/interval.h>
+#include <recede/geometry/error.h>
+#include <recede/lod/detail/edge_sampling.h>
+#include <recede/lod/detail/shared_edges.h>
+#include <recede/lod/seam_graph.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace recede {
+
+namespace {
+
+using detail::CurvePiece;
+using detail::EdgeUse;
+using detail::SampledUse;
+using detail::SharedEdges;
+
+constexpr double k_default_tolerance = 1e-4;  // of the diagonal of the model's box
+constexpr int k_pieces_of_points = 4;         // of a side of a patch that is one point in space
+
+Box3 box_of(std::span<const PatchSurface> surfaces) {
+  Box3 box;
+  for (const PatchSurface& surface : surfaces) box.extend(surface.bounds.box(surface.shape.domain()));
+  return box;
+}
+
+SeamGraphOptions completed(SeamGraphOptions options, std::span<const PatchSurface> surfaces) {
+  if (!(options.tolerance >= 0 && options.gap >= 0)) throw OptionError("tolerances of seams are at least 0");
+  if (options.tolerance == 0) options.tolerance = k_default_tolerance * box_of(surfaces).diagonal().norm();
+  if (options.gap == 0) options.gap = options.tolerance;
+  return options;
+}
+
+// Pieces as parts of edges and of loops.
+class GraphBuilder {
+ public:
+  GraphBuilder(std::span<const TrimmedPatch> patches, std::span<const PatchSurface> surfaces,
+               const SeamGraphOptions& options)
+      : patches_(patches), surfaces_(surfaces), options_(options) {}
+
+  SeamGraph run(Progress* progress) {
+    report_progress(progress, "match", 0);
+    edges_ = detail::find_shared_edges(patches_, surfaces_, options_, graph_.report);
+    report_progress(progress, "seams", 0.3);
+    sample();
+    report_progress(progress, "seams", 0.8);
+    number_vertices();
+    fill_loops();
+    place_vertices();
+    graph_.tolerance = options_.tolerance;
+    report_progress(progress, "seams", 1);
+    return std::move(graph_);
+  }
+
+ private:
+  struct Run {  // the points of a piece
+    SampledUse points;
+    bool runs_against = false;
+  };
+
+  void sample() {
+    std::vector<std::vector<std::size_t>> uses(edges_.is_parallel.size());
+    for (std::size_t i = 0; i < edges_.pieces.size(); ++i) uses[edges_.pieces[i].edge].push_back(i);
+    const std::vector<int> least_pieces = least_pieces_of_all();
+    runs_.resize(edges_.pieces.size());
+    tbb::parallel_for(std::size_t{0}, uses.size(), [&](std::size_t edge) {
+      std::vector<EdgeUse> of_edge;
+      int least = 1;
+      for (const std::size_t i : uses[edge]) {
+        const CurvePiece& piece = edges_.pieces[i];
+        of_edge.push_back({&surfaces_[piece.patch],
+                           &patches_[piece.patch].loops[piece.loop].curves[piece.curve].curve, piece.range,
+                           piece.runs_against});
+        least = std::max(least, least_pieces[i]);
+      }
+      std::vector<SampledUse> sampled;
+      if (edges_.pieces[uses[edge].front()].is_point) {
+        sampled = sample_edge(of_edge, std::numeric_limits<double>::infinity(), k_pieces_of_points);
+      } else if (edges_.is_parallel[edge] || of_edge.size() == 1) {
+        sampled = sample_edge(of_edge, options_.tolerance, least);
+      } else {
+        sampled = sample_matched_edge(of_edge, options_.tolerance, options_.gap, least);
+      }
+      for (std::size_t k = 0; k < of_edge.size(); ++k)
+        runs_[uses[edge][k]] = {std::move(sampled[k]), of_edge[k].runs_against};
+    });
+  }
+
+  // So many that a loop isn't without area.
+  std::vector<int> least_pieces_of_all() const {
+    std::vector<int> least(edges_.pieces.size(), 1);
+    each_loop([&](std::size_t first, std::size_t end) {
+      const std::size_t n = end - first;
+      for (std::size_t i = first; i < end; ++i) least[i] = n == 1 ? 4 : n == 2 ? 2 : 1;
+    });
+    return least;
+  }
+
+  // Calls `visit(first, end)` with the pieces of each loop.
+  template <typename Visit>
+  void each_loop(Visit&& visit) const {
+    const std::vector<CurvePiece>& pieces = edges_.pieces;
+    for (std::size_t first = 0; first < pieces.size();) {
+      std::size_t end = first;
+      while (end < pieces.size() && pieces[end].patch == pieces[first].patch &&
+             pieces[end].loop == pieces[first].loop)
+        ++end;
+      visit(first, end);
+      first = end;
+    }
+  }
+
+  // Corners first, as they come; then the points within edges.
+  void number_vertices() {
+    n_vertices_ = 0;
+    first_within_.assign(edges_.is_parallel.size(), k_no_index);
+    for (std::size_t i = 0; i < edges_.pieces.size(); ++i) {
+      const CurvePiece& piece = edges_.pieces[i];
+      for (const Index corner : piece.corners) {
+        if (corners_.try_emplace(corner, n_vertices_).second) ++n_vertices_;
+      }
+      if (piece.is_point || first_within_[piece.edge] != k_no_index) continue;
+      first_within_[piece.edge] = n_vertices_;
+      n_vertices_ += static_cast<Index>(runs_[i].points.uvs.size() - 2);
+    }
+  }
+
+  // Of the point with a number along its edge.
+  Index vertex_of(std::size_t i, std::size_t along_edge) const {
+    const CurvePiece& piece = edges_.pieces[i];
+    const std::size_t last = runs_[i].points.uvs.size() - 1;
+    if (along_edge == 0) return corners_.at(piece.corners[piece.runs_against ? 1 : 0]);
+    if (along_edge == last || piece.is_point) return corners_.at(piece.corners[piece.runs_against ? 0 : 1]);
+    return first_within_[piece.edge] + static_cast<Index>(along_edge) - 1;
+  }
+
+  void fill_loops() {
+    std::size_t n_loops = 0;
+    each_loop([&](std::size_t first, std::size_t end) {
+      const CurvePiece& piece = edges_.pieces[first];
+      while (graph_.patch_loops.size() <= piece.patch)
+        graph_.patch_loops.push_back(static_cast<Index>(n_loops));
+      for (std::size_t i = first; i < end; ++i) add_run(i);
+      graph_.loop_offsets.push_back(static_cast<Index>(graph_.slots.size()));
+      ++n_loops;
+    });
+    while (graph_.patch_loops.size() <= patches_.size())
+      graph_.patch_loops.push_back(static_cast<Index>(n_loops));
+  }
+
+  // All points of a piece but its last, in its own direction.
+  void add_run(std::size_t i) {
+    const Run& run = runs_[i];
+    const std::size_t last = run.points.uvs.size() - 1;
+    for (std::size_t k = 0; k < last; ++k) {
+      const std::size_t at = run.runs_against ? last - k : k;
+      graph_.slots.push_back({run.points.uvs[at], vertex_of(i, at)});
+      const double width = run.points.widths[run.runs_against ? at - 1 : at];
+      graph_.widths.push_back(
+          std::nextafter(static_cast<float>(width), std::numeric_limits<float>::infinity()));
+    }
+  }
+
+  void place_vertices() {
+    graph_.positions.assign(n_vertices_, Vec3::Zero());
+    std::vector<Index> counts(n_vertices_, 0);
+    std::vector<Vec3> own(graph_.slots.size());
+    each_slot([&](std::size_t patch, std::size_t slot) {
+      const auto& [uv, vertex] = graph_.slots[slot];
+      own[slot] = surfaces_[patch].shape.evaluate(uv);
+      graph_.positions[vertex] += own[slot];
+      ++counts[vertex];
+    });
+    for (std::size_t i = 0; i < counts.size(); ++i) graph_.positions[i] /= counts[i];
+    each_slot([&](std::size_t, std::size_t slot) {
+      const double move = (own[slot] - graph_.positions[graph_.slots[slot].vertex]).norm();
+      graph_.report.largest_move = std::max(graph_.report.largest_move, move);
+    });
+  }
+
+  template <typename Visit>
+  void each_slot(Visit&& visit) const {
+    for (std::size_t patch = 0; patch < patches_.size(); ++patch) {
+      const std::size_t first = graph_.loop_offsets[graph_.patch_loops[patch]];
+      const std::size_t end = graph_.loop_offsets[graph_.patch_loops[patch + 1]];
+      for (std::size_t slot = first; slot < end; ++slot) visit(patch, slot);
+    }
+  }
+
+  std::span<const TrimmedPatch> patches_;
+  std::span<const PatchSurface> surfaces_;
+  SeamGraphOptions options_;
+  SharedEdges edges_;
+  std::vector<Run> runs_;  // by piece
+  std::unordered_map<Index, Index> corners_;
+  std::vector<Index> first_within_;  // by edge: the vertex after its first corner
+  Index n_vertices_ = 0;
+  SeamGraph graph_;
+};
+
+}  // namespace
+
+SeamGraph build_seam_graph(std::span<const TrimmedPatch> patches, std::span<const PatchSurface> surfaces,
+                           const SeamGraphOptions& options, Progress* progress) {
+  for (const TrimmedPatch& patch : patches) {
+    for (const TrimmingLoop& loop : patch.loops) {
+      for (const TrimmingCurve& curve : loop.curves)
+        validate(curve.curve, "patch " + patch.name + ": trimming curve");
+    }
+  }
+  return GraphBuilder(patches, surfaces, completed(options, surfaces)).run(progress);
+}
+
+}  // namespace recede

@@ -1,0 +1,177 @@
+#include "trimmed_patches.h"
+#include <recede/lod/seam_graph.h>
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+namespace recede {
+namespace {
+
+using test::box_faces;
+using test::parallelogram;
+using test::whole;
+
+SeamGraph graph_of(const std::vector<TrimmedPatch>& patches, const SeamGraphOptions& options = {}) {
+  return build_seam_graph(patches, prepare_surfaces(patches), options);
+}
+
+// How often loops run along each pair of vertices, less how often they run back: what stays open.
+std::map<std::pair<Index, Index>, int> open_sides(const SeamGraph& graph) {
+  std::map<std::pair<Index, Index>, int> sides;
+  for (std::size_t l = 0; l < graph.n_loops(); ++l) {
+    const auto loop = graph.loop(l);
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Index a = loop[i].vertex, b = loop[(i + 1) % loop.size()].vertex;
+      if (a != b) sides[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  }
+  std::erase_if(sides, [](const auto& side) { return side.second == 0; });
+  return sides;
+}
+
+TEST(SeamGraph, OfABoxHasEightPointsAndTwelveSeams) {
+  const SeamGraph graph = graph_of(box_faces({3, 2, 1}));
+  EXPECT_EQ(graph.positions.size(), 8u);
+  EXPECT_EQ(graph.n_patches(), 6u);
+  EXPECT_EQ(graph.n_loops(), 6u);
+  EXPECT_EQ(graph.slots.size(), 24u);
+  EXPECT_EQ(graph.report.edges_by_position, 12u);
+  EXPECT_EQ(graph.report.edges_of_file + graph.report.free_edges + graph.report.crowded_edges, 0u);
+  EXPECT_TRUE(graph.report.gaps.empty());
+  EXPECT_EQ(graph.report.largest_move, 0);
+  EXPECT_TRUE(open_sides(graph).empty());
+  // Straight lines, but for rounding.
+  for (const float width : graph.widths) EXPECT_LT(width, 1e-14f);
+}
+
+TEST(SeamGraph, TakesSharedEdgesFromTheFile) {
+  // Two squares side by side, a tenth apart: only the file knows that they belong together.
+  std::vector<TrimmedPatch> patches{whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),
+                                    whole(parallelogram({1.1, 0, 0}, {1, 0, 0}, {0, 1, 0}))};
+  TrimmingCurve &right = patches[0].loops[0].curves[1], &left = patches[1].loops[0].curves[3];
+  right.edge = left.edge = 7;
+  left.runs_against = true;
+  right.corners = {4, 9};
+  left.corners = {9, 4};
+  const SeamGraph graph = graph_of(patches);
+  EXPECT_EQ(graph.positions.size(), 6u);
+  EXPECT_EQ(graph.report.edges_of_file, 1u);
+  EXPECT_EQ(graph.report.free_edges, 6u);
+  EXPECT_NEAR(graph.report.largest_move, 0.05, 1e-12);
+  EXPECT_EQ(open_sides(graph).size(), 6u);
+  SeamGraphOptions options;
+  options.use_connectivity = false;
+  options.gap = 0.01;
+  const SeamGraph apart = graph_of(patches, options);
+  EXPECT_EQ(apart.positions.size(), 8u);
+  EXPECT_EQ(apart.report.edges_of_file, 0u);
+}
+
+TEST(SeamGraph, SewsGapsUpToTheWidthGivenAndListsTheOthers) {
+  const auto patches_apart = [](double gap) {
+    return std::vector<TrimmedPatch>{whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}), "one"),
+                                     whole(parallelogram({1 + gap, 0, 0}, {1, 0, 0}, {0, 1, 0}), "two")};
+  };
+  SeamGraphOptions options;
+  options.gap = 1e-3;
+  const SeamGraph sewn = graph_of(patches_apart(0.9e-3), options);
+  EXPECT_EQ(sewn.report.edges_by_position, 1u);
+  EXPECT_NEAR(sewn.report.largest_move, 0.45e-3, 1e-12);
+  EXPECT_TRUE(sewn.report.gaps.empty());
+  const SeamGraph open = graph_of(patches_apart(1.1e-3), options);
+  EXPECT_EQ(open.report.edges_by_position, 0u);
+  ASSERT_EQ(open.report.gaps.size(), 2u);  // seen from both sides
+  EXPECT_EQ(open.report.gaps[0].patch, 0u);
+  EXPECT_EQ(open.report.gaps[0].other, 1u);
+  EXPECT_NEAR(open.report.gaps[0].distance, 1.1e-3, 1e-12);
+}
+
+TEST(SeamGraph, CutsSeamsWhereAThirdPatchBegins) {
+  // A long side meets two short ones.
+  const std::vector<TrimmedPatch> patches{whole(parallelogram({0, 0, 0}, {2, 0, 0}, {0, 1, 0})),
+                                          whole(parallelogram({0, -1, 0}, {0.7, 0, 0}, {0, 1, 0})),
+                                          whole(parallelogram({0.7, -1, 0}, {1.3, 0, 0}, {0, 1, 0}))};
+  const SeamGraph graph = graph_of(patches);
+  EXPECT_EQ(graph.loop(0).size(), 5u);
+  EXPECT_EQ(graph.positions.size(), 8u);
+  EXPECT_EQ(graph.report.edges_by_position, 3u);
+  // Left open: the outline, without the sides in common.
+  EXPECT_EQ(open_sides(graph).size(), 7u);
+}
+
+TEST(SeamGraph, HoldsSeamsOfThreePatches) {
+  const std::vector<TrimmedPatch> patches{whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),
+                                          whole(parallelogram({0, 0, 0}, {-1, 0, 0}, {0, 1, 0})),
+                                          whole(parallelogram({0, 0, 0}, {0, 0, 1}, {0, 1, 0}))};
+  const SeamGraph graph = graph_of(patches);
+  EXPECT_EQ(graph.report.crowded_edges, 1u);
+  EXPECT_EQ(graph.positions.size(), 8u);
+}
+
+TEST(SeamGraph, HoldsTheSamePatchTwice) {
+  const NurbsSurface square = parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const SeamGraph graph = graph_of({whole(square), whole(square)});
+  EXPECT_EQ(graph.positions.size(), 4u);
+  EXPECT_EQ(graph.report.edges_by_position, 4u);
+}
+
+TEST(SeamGraph, ClosesSeamsOfAPatchWithItself) {
+  for (const double tolerance : {0.1, 1e-3}) {
+    SeamGraphOptions options;
+    options.tolerance = tolerance;
+    const SeamGraph graph = graph_of(test::can(1, 2), options);
+    // The bottom's circle starts a quarter off the wall's, and is two seams for that.
+    EXPECT_EQ(graph.report.edges_by_position, 4u) << tolerance;
+    EXPECT_EQ(graph.report.free_edges, 0u);
+    EXPECT_TRUE(open_sides(graph).empty());
+    // All points are on the two circles.
+    for (const Vec3& point : graph.positions) EXPECT_NEAR(point.head<2>().norm(), 1, 1e-12);
+    // A chord of n in a circle is 1 - cos(pi / n) away. Bounds of both strips add to three times that,
+    // halving makes it four times less at most, and points of matched circles lie between one another.
+    const double n = static_cast<double>(graph.loop(1).size());
+    EXPECT_LT(1 - std::cos(std::numbers::pi / n), tolerance);
+    EXPECT_GT(1 - std::cos(std::numbers::pi / n), tolerance / 30);
+  }
+}
+
+TEST(SeamGraph, KeepsPolesAsOnePoint) {
+  const SeamGraph graph = graph_of({whole(test::ball(1))});
+  EXPECT_TRUE(open_sides(graph).empty());
+  std::size_t poles = 0;
+  for (const Vec3& point : graph.positions) poles += std::abs(point.z()) > 1 - 1e-12 ? 1 : 0;
+  EXPECT_EQ(poles, 2u);
+  EXPECT_EQ(graph.report.edges_by_position, 1u);
+}
+
+// The strips between curves and chords, and chords and the surface below them, are as narrow as asked for.
+TEST(SeamGraph, StaysWithinItsTolerance) {
+  std::vector<TrimmedPatch> patches = test::can(1, 2);
+  patches[2].loops.push_back(test::circle({0.55, 0.5}, 0.1, true));
+  for (const double tolerance : {0.1, 0.01, 1e-4}) {
+    SeamGraphOptions options;
+    options.tolerance = tolerance;
+    const auto surfaces = prepare_surfaces(patches);
+    const SeamGraph graph = build_seam_graph(patches, surfaces, options);
+    EXPECT_EQ(graph.tolerance, tolerance);
+    for (std::size_t p = 0; p < graph.n_patches(); ++p) {
+      for (std::size_t l = graph.patch_loops[p]; l < graph.patch_loops[p + 1]; ++l) {
+        const auto loop = graph.loop(l);
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+          const SeamSlot &a = loop[i], &b = loop[(i + 1) % loop.size()];
+          EXPECT_LE(graph.widths[graph.loop_offsets[l] + i], tolerance);
+          for (const double share : {0.25, 0.5, 0.75}) {
+            const Vec3 on_surface = surfaces[p].shape.evaluate(a.uv + share * (b.uv - a.uv));
+            const Vec3 on_chord =
+                graph.positions[a.vertex] + share * (graph.positions[b.vertex] - graph.positions[a.vertex]);
+            EXPECT_LE((on_surface - on_chord).norm(), tolerance);
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace recede
