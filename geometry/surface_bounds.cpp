@@ -24,6 +24,20 @@ double deviation_of(const DerivativeBounds& bounds, double width, double height)
   return (width * width * bounds.uu + 2 * width * height * bounds.uv + height * height * bounds.vv) / 8;
 }
 
+// Of the smallest circle around a triangle in the metric of second derivatives.
+double half_squared_radius(const std::array<Vec2, 3>& sides, double twice_area, const Vec3& second,
+                           double width, double height) {
+  if (!(width > 0 && height > 0)) return deviation_of({0, 0, second[0], second[1], second[2]}, width, height);
+  const double of_u = second[0] + second[1] * height / width, of_v = second[2] + second[1] * width / height;
+  std::array<double, 3> squares;
+  for (std::size_t i = 0; i < 3; ++i)
+    squares[i] = of_u * sides[i].x() * sides[i].x() + of_v * sides[i].y() * sides[i].y();
+  std::sort(squares.begin(), squares.end());
+  const double squared_area = of_u * of_v * twice_area * twice_area;  // 4 times the square, in the metric
+  if (squares[2] >= squares[0] + squares[1] || !(squared_area > 0)) return squares[2] / 8;
+  return squares[0] * squares[1] * squares[2] / (8 * squared_area);
+}
+
 // From parameters of the piece to those of the surface.
 DerivativeBounds in_domain(const DerivativeBounds& bounds, double width, double height) {
   return {bounds.u / width, bounds.v / height, bounds.uu / (width * width), bounds.uv / (width * height),
@@ -299,12 +313,17 @@ NormalCone SurfaceBounds::normal_cone(const ParameterBox& part) const {
   return cone;
 }
 
-double SurfaceBounds::deviation(const ParameterBox& part, double enough) const {
+double SurfaceBounds::deviation(const std::array<Vec2, 3>& triangle, double enough) const {
+  ParameterBox part;
+  for (const Vec2& corner : triangle) part.extend(corner);
   const double width = part.sizes().x(), height = part.sizes().y();
+  const std::array<Vec2, 3> sides{triangle[2] - triangle[1], triangle[0] - triangle[2],
+                                  triangle[1] - triangle[0]};
+  const double area = sides[0].x() * sides[1].y() - sides[0].y() * sides[1].x();
   double largest = 0, of_jumps = 0;
   visit(part, [&](const Node& node, bool is_last) {
-    const double here =
-        deviation_of({0, 0, node.derivatives[2], node.derivatives[3], node.derivatives[4]}, width, height);
+    const auto& [u, v, uu, uv, vv] = node.derivatives;
+    const double here = half_squared_radius(sides, area, {uu, uv, vv}, width, height);
     const double jumps = (width * node.jumps[0] + height * node.jumps[1]) / 4;
     if (!is_last && here + jumps > enough) {
       const auto axis = static_cast<int>(node.axis);
@@ -317,8 +336,12 @@ double SurfaceBounds::deviation(const ParameterBox& part, double enough) const {
     return false;
   });
   // Where it stopped early, jumps of all of a node were added up.
-  if (enough > 0 && of_jumps > 0 && largest + of_jumps > enough) return deviation(part);
+  if (enough > 0 && of_jumps > 0 && largest + of_jumps > enough) return deviation(triangle);
   return largest + of_jumps;
+}
+
+double SurfaceBounds::deviation(const Vec2& from, const Vec2& to, double enough) const {
+  return deviation({from, to, to}, enough);
 }
 
 }  // namespace recede

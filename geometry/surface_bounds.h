@@ -32,12 +32,16 @@ class SurfaceBounds {
   DerivativeBounds derivatives(const ParameterBox& part) const;
   NormalCone normal_cone(const ParameterBox& part) const;
 
-  /// At least the distance of any point of the surface over `part` from the point of equal parameters on a
-  /// triangle with corners on the surface and parameters in `part`: an eighth of
-  /// `w^2 uu + 2 w h uv + h^2 vv`, with the sides w and h of the part (Filip, Magedson and Markot 1986,
-  /// "Surface algorithms using bounds on derivatives"). Where a derivative jumps at a line of knots, a fourth
-  /// of the jump times the side is added. Stops to look closer when below `enough`.
-  double deviation(const ParameterBox& part, double enough = 0) const;
+  /// At least the distance of any point of the surface from the point of equal parameters on a triangle
+  /// with corners on the surface. Second derivatives over the triangle's box, with sides w and h, are taken
+  /// as a metric `(uu + uv h/w) du^2 + (vv + uv w/h) dv^2`; half of the squared radius of the smallest circle
+  /// around the triangle in it bounds the distance. That is an eighth of `w^2 uu + 2 w h uv + h^2 vv` for
+  /// triangles with a right angle (Filip, Magedson and Markot 1986, "Surface algorithms using bounds on
+  /// derivatives"), and less for acute ones. Where a derivative jumps at a line of knots, a fourth of the
+  /// jump times the side is added. Stops to look closer when below `enough`.
+  double deviation(const std::array<Vec2, 3>& triangle, double enough = 0) const;
+  /// The same for a chord.
+  double deviation(const Vec2& from, const Vec2& to, double enough = 0) const;
 
  private:
   struct Node {

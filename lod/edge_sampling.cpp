@@ -93,8 +93,7 @@ class EdgeSampler {
       for (const Vec3& point : nets[k]) points.push_back(projected(point));
       const SurfaceBounds& bounds = uses_[k].surface->bounds;
       widths.push_back(strip_width(bounds, points, points.front(), points.back()));
-      is_good =
-          is_good && widths.back() + chord_deviation(bounds, points.front(), points.back()) <= tolerance_;
+      is_good = is_good && widths.back() + bounds.deviation(points.front(), points.back()) <= tolerance_;
     }
     if (is_good || halvings_left == 0) {
       for (std::size_t k = 0; k < uses_.size(); ++k) {
@@ -238,13 +237,6 @@ double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, co
     widest = std::max(widest, (away - share * chord).lpNorm<1>());
   }
   return widest;
-}
-
-double chord_deviation(const SurfaceBounds& bounds, const Vec2& from, const Vec2& to) {
-  ParameterBox box;
-  box.extend(from);
-  box.extend(to);
-  return bounds.deviation(box);
 }
 
 }  // namespace recede::detail

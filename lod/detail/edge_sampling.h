@@ -57,7 +57,4 @@ double nearest_parameter(const EdgeUse& use, double t, const Vec3& point);
 double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, const Vec2& from,
                    const Vec2& to);
 
-/// How far the surface along a chord is from the straight line between its ends, at most.
-double chord_deviation(const SurfaceBounds& bounds, const Vec2& from, const Vec2& to);
-
 }  // namespace recede::detail
