@@ -1,0 +1,333 @@
+#include <recede/geometry/constrained_delaunay.h>
+#include <recede/geometry/error.h>
+#include <recede/lod/detail/lattice_seeds.h>
+#include <recede/lod/patch_tessellator.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <queue>
+
+namespace recede {
+
+namespace {
+
+// Triangles follow the directions of curvature, but aren't this much longer than wide on the surface for
+// that.
+constexpr double k_most_stretch = 8;
+constexpr int k_metric_samples = 5;  // along each axis
+
+// Powers of two, with which parameters can be multiplied without rounding.
+double power_of_two_near(double value) { return std::exp2(std::round(std::log2(value))); }
+
+// Factors of u and v after which triangles that are round are good: by the square roots of second
+// derivatives, as errors grow with these, limited by lengths on the surface.
+Vec2 metric_of(const BezierPatches& surface, const ParameterBox& part) {
+  Vec2 lengths = Vec2::Zero(), bends = Vec2::Zero();
+  for (int i = 0; i < k_metric_samples; ++i) {
+    for (int j = 0; j < k_metric_samples; ++j) {
+      const Vec2 share((i + 0.5) / k_metric_samples, (j + 0.5) / k_metric_samples);
+      const SurfaceDerivatives at = surface.derivatives(part.min() + share.cwiseProduct(part.sizes()));
+      lengths += Vec2(at.du.norm(), at.dv.norm());
+      bends += Vec2(at.duu.norm(), at.dvv.norm());
+    }
+  }
+  constexpr double k_count = k_metric_samples * k_metric_samples;
+  lengths /= k_count;
+  bends /= k_count;
+  const Vec2 tiny = 1e-9 * part.sizes().cwiseInverse().cwiseMin(1e150);
+  lengths = lengths.cwiseMax(tiny * lengths.cwiseProduct(part.sizes()).maxCoeff()).cwiseMax(1e-150);
+  Vec2 curvature = bends.cwiseSqrt().cwiseQuotient(lengths);
+  const double most = curvature.maxCoeff();
+  curvature = most > 0 ? Vec2(curvature.cwiseMax(most / k_most_stretch) / most) : Vec2(1, 1);
+  const Vec2 scale = lengths.cwiseProduct(curvature);
+  return {power_of_two_near(scale.x()), power_of_two_near(scale.y())};
+}
+
+class PatchRefiner {
+ public:
+  PatchRefiner(const SeamGraph& graph, std::size_t patch, const PatchSurface& surface,
+               const PatchTessellationOptions& options)
+      : graph_(graph), patch_(patch), surface_(surface), options_(options) {}
+
+  PatchTriangles run() {
+    take_loops();
+    triangulate_loops();
+    if (needs_points()) {
+      seed();
+      refine();
+    }
+    collect();
+    return std::move(result_);
+  }
+
+ private:
+  void take_loops() {
+    for (std::size_t l = graph_.patch_loops[patch_]; l < graph_.patch_loops[patch_ + 1]; ++l) {
+      const auto loop = graph_.loop(l);
+      const auto first = static_cast<Index>(result_.uvs.size());
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const auto here = static_cast<Index>(result_.uvs.size());
+        edges_.push_back({here, i + 1 < loop.size() ? here + 1 : first});
+        result_.uvs.push_back(loop[i].uv);
+        result_.positions.push_back(graph_.positions[loop[i].vertex]);
+        vertices_.push_back(loop[i].vertex);
+        moves_.push_back((surface_.shape.evaluate(loop[i].uv) - result_.positions.back()).norm());
+        widths_.push_back(static_cast<double>(graph_.widths[graph_.loop_offsets[l] + i]));
+        domain_.extend(loop[i].uv);
+      }
+    }
+    if (result_.uvs.size() < 3) throw InputError("a patch without loops has no triangles");
+  }
+
+  void triangulate_loops() {
+    scale_ = metric_of(surface_.shape, domain_);
+    std::vector<Vec2> points;
+    for (const Vec2& uv : result_.uvs) points.push_back(uv.cwiseProduct(scale_));
+    delaunay_.emplace(points, edges_);
+    delaunay_->keep_inside(InsideRule::winding);
+  }
+
+  std::array<Vec2, 3> uvs_of(const DelaunayTriangle& triangle) const {
+    return {result_.uvs[triangle.vertices[0]], result_.uvs[triangle.vertices[1]],
+            result_.uvs[triangle.vertices[2]]};
+  }
+
+  bool is_of_loop(Index point) const { return point < moves_.size(); }
+
+  // What is left of the tolerance after the strips along its sides, and after what its corners were moved.
+  double allowance(const DelaunayTriangle& triangle) const {
+    double width = 0, move = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (is_of_loop(triangle.vertex(k))) move = std::max(move, moves_[triangle.vertex(k)]);
+      if (triangle.is_constrained(k)) width = std::max(width, width_of(triangle, k));
+    }
+    return options_.tolerance - move - width;
+  }
+
+  double width_of(const DelaunayTriangle& triangle, int side) const {
+    // Counter-clockwise, sides run as loops do.
+    return widths_[triangle.from(side)];
+  }
+
+  double deviation(const DelaunayTriangle& triangle, double enough) const {
+    return surface_.bounds.deviation(uvs_of(triangle), std::max(enough, 0.0));
+  }
+
+  bool is_good(const DelaunayTriangle& triangle) const {
+    const double allowed = allowance(triangle);
+    return deviation(triangle, allowed) <= allowed;
+  }
+
+  bool needs_points() const {
+    const auto triangles = delaunay_->triangles();
+    return std::any_of(triangles.begin(), triangles.end(), [&](const DelaunayTriangle& triangle) {
+      return triangle.is_inside && !is_good(triangle);
+    });
+  }
+
+  // Points on lattices that are as wide as the tolerance allows, where they aren't near loops.
+  void seed() {
+    Index near = k_no_index;
+    detail::each_lattice_seed(
+        surface_.bounds, domain_, options_.tolerance, [&](const Vec2& uv, const Vec2& spacing) {
+          if (n_added() >= options_.most_points) return;
+          const Vec2 point = uv.cwiseProduct(scale_);
+          const TriangleLocation place = delaunay_->locate(point, near);
+          if (place.triangle == k_no_index) return;
+          near = place.triangle;
+          if (!delaunay_->is_inside(place.triangle) || is_crowded(place.triangle, uv, spacing)) return;
+          add(point, place.triangle);
+        });
+  }
+
+  // Nearer to a corner or a side of a loop than half of the spacing.
+  bool is_crowded(Index triangle, const Vec2& uv, const Vec2& spacing) const {
+    constexpr double k_near = 0.5;
+    const DelaunayTriangle& at = delaunay_->triangles()[triangle];
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 a = (result_.uvs[at.from(k)] - uv).cwiseQuotient(spacing);
+      if (a.squaredNorm() < k_near * k_near) return true;
+      if (!at.is_constrained(k)) continue;
+      const Vec2 b = (result_.uvs[at.to(k)] - uv).cwiseQuotient(spacing), along = b - a;
+      const double cross = a.x() * b.y() - a.y() * b.x();
+      if (cross * cross < k_near * k_near * along.squaredNorm()) return true;
+    }
+    return false;
+  }
+
+  std::size_t n_added() const { return result_.uvs.size() - moves_.size(); }
+
+  bool add(const Vec2& point, Index near) {
+    const Insertion inserted = delaunay_->insert(point, near);
+    if (inserted.status != InsertionStatus::inserted) return false;
+    const Vec2 uv = point.cwiseQuotient(scale_);
+    result_.uvs.push_back(uv);
+    result_.positions.push_back(surface_.shape.evaluate(uv));
+    return true;
+  }
+
+  // The worst first, by powers of two; those of a power in the order in which they came.
+  void refine() {
+    const auto triangles = delaunay_->triangles();
+    for (std::size_t t = 0; t < triangles.size(); ++t) check(static_cast<Index>(t));
+    while (!waiting_.empty() && n_added() < options_.most_points) {
+      const Waiting next = waiting_.top();
+      waiting_.pop();
+      const DelaunayTriangle triangle = delaunay_->triangles()[next.triangle];
+      if (triangle.vertices != next.vertices || !triangle.is_inside) continue;
+      if (!split(next.triangle, triangle)) continue;  // as good as numbers allow
+      for (const Index changed : delaunay_->changed()) check(changed);
+    }
+  }
+
+  void check(Index t) {
+    const DelaunayTriangle& triangle = delaunay_->triangles()[t];
+    if (!triangle.is_inside) return;
+    const double allowed = allowance(triangle), reached = deviation(triangle, allowed);
+    if (reached <= allowed) return;
+    const double excess = allowed > 0 ? std::min(reached / allowed, 1e300) : 1e300;
+    waiting_.push({std::ilogb(excess), n_checked_++, t, triangle.vertices});
+  }
+
+  // Puts a point into a triangle, or near to it where its circle's center is.
+  bool split(Index t, const DelaunayTriangle& triangle) {
+    std::array<Vec2, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = delaunay_->point(triangle.vertices[k]);
+    const Vec2 center = circumcenter(corners);
+    if (center.allFinite()) {
+      const TriangleLocation place = delaunay_->locate(center, t);
+      if (place.triangle != k_no_index && delaunay_->is_inside(place.triangle) &&
+          !is_near_loop(place.triangle, center) && add(center, place.triangle)) {
+        return true;
+      }
+    }
+    return add(beside_longest(triangle, corners), t);
+  }
+
+  static Vec2 circumcenter(const std::array<Vec2, 3>& corners) {
+    const Vec2 a = corners[1] - corners[0], b = corners[2] - corners[0];
+    const double cross = a.x() * b.y() - a.y() * b.x();
+    const Vec2 c =
+        (a.squaredNorm() * Vec2(b.y(), -b.x()) + b.squaredNorm() * Vec2(-a.y(), a.x())) / (2 * cross);
+    return corners[0] + c;
+  }
+
+  // So near to a side of a loop that the triangle on it would be flat: within a fourth of its length.
+  bool is_near_loop(Index t, const Vec2& point) const {
+    const DelaunayTriangle& triangle = delaunay_->triangles()[t];
+    for (int k = 0; k < 3; ++k) {
+      if (!triangle.is_constrained(k)) continue;
+      const Vec2 a = delaunay_->point(triangle.from(k)), along = delaunay_->point(triangle.to(k)) - a,
+                 to = point - a;
+      const double height = (along.x() * to.y() - along.y() * to.x()) / along.norm();
+      if (height < 0.25 * along.norm()) return true;
+    }
+    return false;
+  }
+
+  // On the middle of the longest side, or above it where it is a loop's: a half of the side high, or of the
+  // triangle.
+  Vec2 beside_longest(const DelaunayTriangle& triangle, const std::array<Vec2, 3>& corners) const {
+    int longest = 0;
+    double length = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double here = (delaunay_->point(triangle.to(k)) - delaunay_->point(triangle.from(k))).norm();
+      if (here > length) {
+        length = here;
+        longest = k;
+      }
+    }
+    const Vec2 a = delaunay_->point(triangle.from(longest)), b = delaunay_->point(triangle.to(longest));
+    const Vec2 middle = (a + b) / 2;
+    if (!triangle.is_constrained(longest)) return middle;
+    const Vec2 apex = corners[static_cast<std::size_t>(longest)];
+    const double height = ((b - a).x() * (apex - a).y() - (b - a).y() * (apex - a).x()) / length;
+    return middle + std::min(0.5, 0.5 * length / height) * (apex - middle);
+  }
+
+  void collect() {
+    double worst = 0;
+    for (const DelaunayTriangle& triangle : delaunay_->triangles()) {
+      if (!triangle.is_inside) continue;
+      const double used = options_.tolerance - allowance(triangle);
+      worst = std::max(worst, used + deviation(triangle, options_.tolerance - used));
+      if (!is_flat(triangle)) result_.triangles.push_back(triangle.vertices);
+    }
+    result_.error_bound = worst;
+    result_.reached_tolerance = worst <= options_.tolerance;
+    count_inverted();
+  }
+
+  // Two corners are the same point in space.
+  bool is_flat(const DelaunayTriangle& triangle) const {
+    for (int k = 0; k < 3; ++k) {
+      const Index a = triangle.from(k), b = triangle.to(k);
+      if (is_of_loop(a) && is_of_loop(b) && vertices_[a] == vertices_[b]) return true;
+    }
+    return false;
+  }
+
+  void count_inverted() {
+    for (const auto& [a, b, c] : result_.triangles) {
+      const Vec3 normal =
+          (result_.positions[b] - result_.positions[a]).cross(result_.positions[c] - result_.positions[a]);
+      bool is_inverted = true;
+      for (const Index corner : {a, b, c})
+        is_inverted = is_inverted && surface_normal(surface_.shape, result_.uvs[corner]).dot(normal) < 0;
+      result_.inverted += is_inverted ? 1 : 0;
+    }
+  }
+
+  struct Waiting {
+    int power;
+    std::size_t number;
+    Index triangle;
+    std::array<Index, 3> vertices;
+    bool operator<(const Waiting& other) const {
+      return power != other.power ? power < other.power : number > other.number;
+    }
+  };
+
+  const SeamGraph& graph_;
+  std::size_t patch_;
+  const PatchSurface& surface_;
+  const PatchTessellationOptions& options_;
+  PatchTriangles result_;
+  std::vector<std::array<Index, 2>> edges_;
+  std::vector<Index> vertices_;  // of the graph, by point of loops
+  std::vector<double> moves_;    // by sewing, by point of loops
+  std::vector<double> widths_;   // of the strip up to the next point of a loop
+  ParameterBox domain_;
+  Vec2 scale_ = Vec2(1, 1);
+  std::optional<ConstrainedDelaunay> delaunay_;
+  std::priority_queue<Waiting> waiting_;
+  std::size_t n_checked_ = 0;
+};
+
+}  // namespace
+
+PatchTriangles triangulate_patch(const SeamGraph& graph, std::size_t patch, const PatchSurface& surface,
+                                 const PatchTessellationOptions& options) {
+  if (!(options.tolerance > 0)) throw OptionError("the tolerance of a tessellation is above 0");
+  return PatchRefiner(graph, patch, surface, options).run();
+}
+
+Vec3 surface_normal(const BezierPatches& surface, const Vec2& uv) {
+  const auto normal_at = [&](const Vec2& at) {
+    const SurfaceDerivatives here = surface.derivatives(at);
+    const Vec3 normal = here.du.cross(here.dv);
+    // Parallel, but for rounding.
+    constexpr double k_least_sine = 1e-9;
+    const double length = normal.norm();
+    return length > k_least_sine * here.du.norm() * here.dv.norm() ? Vec3(normal / length) : Vec3::Zero();
+  };
+  Vec3 normal = normal_at(uv);
+  const ParameterBox domain = surface.domain();
+  // From the middle of the domain it is seen from inside.
+  for (double step = 1e-6; normal.isZero(0) && step < 0.1; step *= 10)
+    normal = normal_at(uv + step * (domain.center() - uv));
+  return normal;
+}
+
+}  // namespace recede

@@ -1,0 +1,46 @@
+// Triangles of a trimmed patch between given points of its loops: no point is added to a loop, so that
+// patches which share points share sides, and nothing opens between them.
+//
+// How far triangles are from the surface is proved by bounds of second derivatives, not sampled.
+#pragma once
+
+#include <recede/lod/seam_graph.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace recede {
+
+struct PatchTessellationOptions {
+  /// Largest distance allowed between surface and triangles, in units of the model. Above 0.
+  double tolerance = 0;
+  /// Points within the patch that may be added.
+  std::size_t most_points = 4'000'000;
+};
+
+/// Triangles of one patch. Points of its loops come first, loop by loop in order.
+struct PatchTriangles {
+  std::vector<Vec2> uvs;
+  std::vector<Vec3> positions;  ///< those of loops are the graph's
+  /// Numbers of points, counter-clockwise in the plane of (u, v). Where corners are the same point in space,
+  /// as at poles, the triangle is left out.
+  std::vector<std::array<Index, 3>> triangles;
+  /// At least the distance of every point of the trimmed surface from the triangles, and of every point of
+  /// these from the trimmed surface.
+  double error_bound = 0;
+  bool reached_tolerance = false;
+  /// Triangles whose normal points away from that of the surface at all of their corners.
+  std::size_t inverted = 0;
+};
+
+/// Triangulates patch `patch` of a graph, whose surface is given. Throws `InputError` when loops cross or
+/// touch one another, or don't go around anything.
+PatchTriangles triangulate_patch(const SeamGraph& graph, std::size_t patch, const PatchSurface& surface,
+                                 const PatchTessellationOptions& options);
+
+/// The normal of a surface, unit length: along du x dv, or its limit from inside of the domain where that has
+/// no length; (0,0,0) where there is no limit.
+Vec3 surface_normal(const BezierPatches& surface, const Vec2& uv);
+
+}  // namespace recede
