@@ -1,5 +1,5 @@
 #include <recede/geometry/atlas_packing.h>
-#include <recede/geometry/detail/orientation.h>
+#include <recede/geometry/detail/plane_predicates.h>
 #include <recede/geometry/error.h>
 
 #include <fmt/format.h>

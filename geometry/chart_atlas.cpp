@@ -1,7 +1,6 @@
 #include <recede/geometry/chart_atlas.h>
 #include <recede/geometry/detail/chart_surface.h>
 #include <recede/geometry/detail/disk_map.h>
-#include <recede/geometry/detail/orientation.h>
 #include <recede/geometry/error.h>
 
 #include <tbb/parallel_for.h>

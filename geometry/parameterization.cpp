@@ -1,5 +1,6 @@
 #include <recede/geometry/detail/disk_map.h>
-#include <recede/geometry/detail/orientation.h>
+#include <recede/geometry/detail/plane_predicates.h>
+#include <recede/geometry/detail/simple_polygon.h>
 #include <recede/geometry/parameterization.h>
 
 #include <Eigen/Eigenvalues>

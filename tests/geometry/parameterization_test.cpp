@@ -1,6 +1,6 @@
 #include "input_errors.h"
 #include "meshes.h"
-#include <recede/geometry/detail/orientation.h>
+#include <recede/geometry/detail/simple_polygon.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/parameterization.h>
 
@@ -251,7 +251,7 @@ TEST(Parameterization, WhatIsNoDiskIsRefusedByName) {
   EXPECT_THAT(refusal(wrong), HasSubstr("disagree in orientation"));
 }
 
-TEST(Orientation, SimplePolygonsDontTouchThemselves) {
+TEST(SimplePolygon, DoesntTouchItself) {
   using detail::is_simple_polygon;
   EXPECT_TRUE(is_simple_polygon({{0, 0}, {2, 0}, {1, 0.5}, {2, 1}, {0, 1}}));
   EXPECT_FALSE(is_simple_polygon({{0, 0}, {1, 1}, {1, 0}, {0, 1}})) << "crosses";
@@ -259,19 +259,6 @@ TEST(Orientation, SimplePolygonsDontTouchThemselves) {
   EXPECT_FALSE(is_simple_polygon({{0, 0}, {2, 0}, {1, 0}, {1, 1}})) << "runs back";
   EXPECT_FALSE(is_simple_polygon({{0, 0}, {1, 0}, {1, 0}, {1, 1}})) << "a side without length";
   EXPECT_FALSE(is_simple_polygon({{0, 0}, {1, 0}}));
-}
-
-TEST(Orientation, IsExactWhereRoundingDecidesWrongly) {
-  // A point a few units in the last place off the diagonal: the sign is that of y - x.
-  for (int i = -40; i <= 40; ++i) {
-    for (int j = -40; j <= 40; ++j) {
-      const Vec2 p(0.5 + i * 0x1p-53, 0.5 + j * 0x1p-53);
-      const int expected = p.y() > p.x() ? 1 : p.y() < p.x() ? -1 : 0;
-      EXPECT_EQ(detail::orientation({12, 12}, {24, 24}, p), expected);
-      EXPECT_EQ(detail::orientation({24, 24}, {12, 12}, p), -expected);
-      EXPECT_EQ(detail::orientation(p, {12, 12}, {24, 24}), expected);
-    }
-  }
 }
 
 }  // namespace

@@ -1,64 +1,10 @@
-#include <recede/geometry/detail/orientation.h>
+#include <recede/geometry/detail/plane_predicates.h>
+#include <recede/geometry/detail/simple_polygon.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <numeric>
 
 namespace recede::detail {
-namespace {
-
-/// A number as a sum of doubles that don't overlap, the smallest first (Shewchuk's expansion).
-class Expansion {
- public:
-  void add_product(double x, double y) {
-    const double product = x * y;
-    add(std::fma(x, y, -product));  // exactly what rounding took away
-    add(product);
-  }
-
-  int sign() const {
-    for (std::size_t i = size_; i-- > 0;) {
-      if (parts_[i] != 0) return parts_[i] > 0 ? 1 : -1;
-    }
-    return 0;
-  }
-
- private:
-  void add(double value) {
-    for (std::size_t i = 0; i < size_; ++i) {
-      const double sum = value + parts_[i];
-      const double other = sum - value;
-      parts_[i] = (value - (sum - other)) + (parts_[i] - other);  // Knuth's exact rounding error
-      value = sum;
-    }
-    parts_[size_++] = value;
-  }
-
-  std::array<double, 12> parts_;
-  std::size_t size_ = 0;
-};
-
-}  // namespace
-
-int orientation(const Vec2& a, const Vec2& b, const Vec2& c) {
-  const double left = (a.x() - c.x()) * (b.y() - c.y());
-  const double right = (a.y() - c.y()) * (b.x() - c.x());
-  const double determinant = left - right;
-  constexpr double k_error = 3.3306690738754716e-16;  // (3 + 16 epsilon) epsilon, epsilon = 2^-53
-  const double bound = k_error * (std::abs(left) + std::abs(right));
-  if (determinant > bound) return 1;
-  if (-determinant > bound) return -1;
-  Expansion exact;
-  exact.add_product(a.x(), b.y());
-  exact.add_product(-a.x(), c.y());
-  exact.add_product(-c.x(), b.y());
-  exact.add_product(-a.y(), b.x());
-  exact.add_product(a.y(), c.x());
-  exact.add_product(c.y(), b.x());
-  return exact.sign();
-}
-
 namespace {
 
 /// Segments with overlapping x ranges have a common point.
