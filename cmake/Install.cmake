@@ -5,5 +5,5 @@ configure_package_config_file(cmake/recedeConfig.cmake.in ${PROJECT_BINARY_DIR}/
   INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/recedeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/recedeConfig.cmake ${PROJECT_BINARY_DIR}/recedeConfigVersion.cmake
-  cmake/OpenSubdivTarget.cmake
+  cmake/OpenCascadeTarget.cmake cmake/OpenSubdivTarget.cmake
   DESTINATION ${package_folder})

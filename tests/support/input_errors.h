@@ -1,6 +1,7 @@
 // Reading text as if it were a file, and what reading it complains about.
 #pragma once
 
+#include "error_text.h"
 #include "temp_folder.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
@@ -26,17 +27,6 @@ inline std::string complaint(std::string_view name, std::string_view content) {
     const std::string text = error.what();
     EXPECT_EQ(text.find('\n'), text.npos) << text;
     return text.substr(text.find(name));
-  }
-  return "";
-}
-
-/// The text of the error that `work` ends with; "" when there is none.
-template <typename Work>
-std::string error_text(Work&& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
   }
   return "";
 }

@@ -1,0 +1,156 @@
+#include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/cad_document.h>
+#include <recede/geometry/detail/cad_format.h>
+#include <recede/geometry/error.h>
+
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <IFSelect_ReturnStatus.hxx>
+#include <IGESCAFControl_Reader.hxx>
+#include <IGESControl_Controller.hxx>
+#include <Interface_Static.hxx>
+#include <Message_ProgressIndicator.hxx>
+#include <STEPCAFControl_Controller.hxx>
+#include <STEPCAFControl_Reader.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+namespace recede::detail {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Hands OpenCASCADE's progress on, and asks it to stop.
+class ProgressBridge final : public Message_ProgressIndicator {
+ public:
+  explicit ProgressBridge(Progress* progress) : progress_(progress) {}
+
+ private:
+  Standard_Boolean UserBreak() override { return progress_ != nullptr && progress_->cancel_requested(); }
+  void Show(const Message_ProgressScope&, Standard_Boolean) override {
+    if (progress_ != nullptr) progress_->update("read", std::clamp(GetPosition(), 0.0, 1.0));
+  }
+  Progress* progress_;
+};
+
+Handle(TDocStd_Document) new_document() {
+  const Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
+  XCAFDoc_DocumentTool::Set(document->Main());
+  return document;
+}
+
+std::string_view without_end_of_lines(std::string_view text) {
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
+  return text.substr(0, last == text.npos ? 0 : last + 1);
+}
+
+[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+  throw InputError::in_file(path.string(), reason);
+}
+
+/// OpenCASCADE takes what it finds in a file that was cut short.
+void check_step(const fs::path& path, const std::string& text) {
+  if (text.find("ISO-10303-21") == text.npos) fail(path, "isn't a STEP file");
+  if (text.find("END-ISO-10303-21") == text.npos) fail(path, "is cut short: END-ISO-10303-21 is missing");
+}
+
+/// Lines of 80 characters, of which number 73 says the section: S, G, D, P, and T in the last one.
+void check_iges(const fs::path& path, const std::string& text) {
+  const std::size_t line = text.find_first_of("\r\n");
+  if (line == text.npos || line < 73 || std::string_view("SBC").find(text[72]) == std::string_view::npos) {
+    fail(path, "isn't an IGES file");
+  }
+  const std::string_view whole = without_end_of_lines(text);
+  const std::size_t start = whole.find_last_of("\r\n");
+  const std::string_view last = whole.substr(start == whole.npos ? 0 : start + 1);
+  if (last.size() < 73 || last[72] != 'T') fail(path, "is cut short: its last section is missing");
+}
+
+/// The last list of shapes ends in "*"; behind it stands the number of the whole shape and that of its place.
+bool has_root(const std::string& text) {
+  const std::size_t last = text.rfind('*');
+  if (text.find("\nTShapes ") == text.npos || last == text.npos) return false;
+  std::istringstream rest(text.substr(last + 1));
+  char sign = 0;
+  int shape = 0, place = 0;
+  rest >> sign >> shape >> place;
+  return rest && !rest.eof() && (sign == '+' || sign == '-');
+}
+
+void check_brep(const fs::path& path, const std::string& text) {
+  if (text.find("CASCADE Topology V") == text.npos) fail(path, "isn't a BREP file");
+  if (!has_root(text)) fail(path, "is cut short: the number of its shape is missing");
+}
+
+CadDocument read_step(const fs::path& path, Progress* progress) {
+  STEPCAFControl_Controller::Init();
+  Interface_Static::SetCVal("xstep.cascade.unit", "MM");
+  Interface_Static::SetIVal("read.stepcaf.subshapes.name", 1);
+  STEPCAFControl_Reader reader;
+  reader.SetColorMode(true);
+  reader.SetNameMode(true);
+  reader.SetLayerMode(false);
+  reader.SetPropsMode(false);
+  if (reader.ReadFile(path.string().c_str()) != IFSelect_RetDone) fail(path, "can't be read as STEP");
+  report_progress(progress, "read", 0.5);
+  CadDocument read{new_document(), {}};
+  const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
+  const bool is_done = reader.Transfer(read.document, bridge->Start());
+  report_progress(progress, "read", 1);
+  if (!is_done) fail(path, "holds no shape");
+  return read;
+}
+
+CadDocument read_iges(const fs::path& path, Progress* progress) {
+  IGESControl_Controller::Init();
+  Interface_Static::SetCVal("xstep.cascade.unit", "MM");
+  IGESCAFControl_Reader reader;
+  reader.SetColorMode(true);
+  reader.SetNameMode(true);
+  reader.SetLayerMode(false);
+  if (reader.ReadFile(path.string().c_str()) != IFSelect_RetDone) fail(path, "can't be read as IGES");
+  report_progress(progress, "read", 0.5);
+  CadDocument read{new_document(), {}};
+  const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
+  const bool is_done = reader.Transfer(read.document, bridge->Start());
+  report_progress(progress, "read", 1);
+  if (!is_done) fail(path, "holds no shape");
+  return read;
+}
+
+CadDocument read_brep(const fs::path& path, const std::string& text, Progress* progress) {
+  std::istringstream stream(text);
+  CadDocument read;
+  const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
+  BRepTools::Read(read.shape, stream, BRep_Builder(), bridge->Start());
+  report_progress(progress, "read", 1);
+  if (read.shape.IsNull()) fail(path, "can't be read as BREP");
+  return read;
+}
+
+}  // namespace
+
+CadDocument read_cad_document(const fs::path& path, Progress* progress) {
+  const std::string text = read_whole_file(path);
+  const std::optional<CadFormat> format = cad_format_of(path);
+  if (format == CadFormat::step) {
+    check_step(path, text);
+    return read_step(path, progress);
+  }
+  if (format == CadFormat::iges) {
+    check_iges(path, text);
+    return read_iges(path, progress);
+  }
+  if (format == CadFormat::brep) {
+    check_brep(path, text);
+    return read_brep(path, text, progress);
+  }
+  fail(path, "unknown kind of CAD file; known are .step .stp .iges .igs .brep .brp");
+}
+
+}  // namespace recede::detail
