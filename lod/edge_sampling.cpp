@@ -14,6 +14,8 @@ using CurveNet = std::vector<Vec3>;
 
 Vec2 projected(const Vec3& point) { return point.head<2>() / point.z(); }
 
+constexpr double k_same_share = 1e-9;  // knots of two uses that mean the same place differ by rounding
+
 // Where knots of any use lie, as shares of the edge from 0 to 1.
 std::vector<double> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
   std::vector<double> breaks;
@@ -25,11 +27,9 @@ std::vector<double> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
     }
   }
   std::sort(breaks.begin(), breaks.end());
-  // Knots of two uses that mean the same place differ by rounding.
-  constexpr double k_same = 1e-9;
   std::vector<double> distinct{0};
   for (const double share : breaks) {
-    if (share > distinct.back() + k_same && share < 1 - k_same) distinct.push_back(share);
+    if (share > distinct.back() + k_same_share && share < 1 - k_same_share) distinct.push_back(share);
   }
   distinct.push_back(1);
   return distinct;
@@ -40,8 +40,15 @@ double parameter_at(const EdgeUse& use, double share) {
   return share >= 1 ? use.range.end : use.range.begin + share * use.range.length();
 }
 
+// The same, but a knot where one is meant, so that no piece ends beside its knot.
+double parameter_or_knot_at(const EdgeUse& use, double share) {
+  const double t = parameter_at(use, share), near = 2 * k_same_share * use.range.length();
+  const auto knot = std::lower_bound(use.curve->knots.begin(), use.curve->knots.end(), t - near);
+  return knot != use.curve->knots.end() && *knot <= t + near && use.range.contains(*knot) ? *knot : t;
+}
+
 CurveNet net_between(const EdgeUse& use, double from, double to) {
-  ParameterRange range{parameter_at(use, from), parameter_at(use, to)};
+  ParameterRange range{parameter_or_knot_at(use, from), parameter_or_knot_at(use, to)};
   if (use.runs_against) std::swap(range.begin, range.end);
   const NurbsCurve2 piece = part(*use.curve, range);
   CurveNet net;
