@@ -313,7 +313,7 @@ NormalCone SurfaceBounds::normal_cone(const ParameterBox& part) const {
   return cone;
 }
 
-double SurfaceBounds::deviation(const std::array<Vec2, 3>& triangle, double enough) const {
+DeviationBound SurfaceBounds::deviation(const std::array<Vec2, 3>& triangle, double enough) const {
   ParameterBox part;
   for (const Vec2& corner : triangle) part.extend(corner);
   const double width = part.sizes().x(), height = part.sizes().y();
@@ -337,11 +337,11 @@ double SurfaceBounds::deviation(const std::array<Vec2, 3>& triangle, double enou
   });
   // Where it stopped early, jumps of all of a node were added up.
   if (enough > 0 && of_jumps > 0 && largest + of_jumps > enough) return deviation(triangle);
-  return largest + of_jumps;
+  return {largest, of_jumps};
 }
 
 double SurfaceBounds::deviation(const Vec2& from, const Vec2& to, double enough) const {
-  return deviation({from, to, to}, enough);
+  return deviation({from, to, to}, enough).total();
 }
 
 }  // namespace recede

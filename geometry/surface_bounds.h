@@ -22,6 +22,13 @@ struct NormalCone {
   double angle = 4;  ///< radians; above pi: nothing is known, as where a side of the surface is one point
 };
 
+/// A bound of a deviation, and how it shrinks: to a fourth of `bend` and a half of `kink` over triangles of
+/// half the size in the same place.
+struct DeviationBound {
+  double bend = 0, kink = 0;
+  double total() const { return bend + kink; }
+};
+
 class SurfaceBounds {
  public:
   /// Deviations below the share `finest` of the surface's size aren't looked at more closely.
@@ -39,7 +46,7 @@ class SurfaceBounds {
   /// triangles with a right angle (Filip, Magedson and Markot 1986, "Surface algorithms using bounds on
   /// derivatives"), and less for acute ones. Where a derivative jumps at a line of knots, a fourth of the
   /// jump times the side is added. Stops to look closer when below `enough`.
-  double deviation(const std::array<Vec2, 3>& triangle, double enough = 0) const;
+  DeviationBound deviation(const std::array<Vec2, 3>& triangle, double enough = 0) const;
   /// The same for a chord.
   double deviation(const Vec2& from, const Vec2& to, double enough = 0) const;
 

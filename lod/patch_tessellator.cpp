@@ -1,6 +1,7 @@
 #include <recede/geometry/constrained_delaunay.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/lattice_seeds.h>
+#include <recede/lod/detail/triangle_deviation.h>
 #include <recede/lod/patch_tessellator.h>
 
 #include <algorithm>
@@ -111,7 +112,7 @@ class PatchRefiner {
   }
 
   double deviation(const DelaunayTriangle& triangle, double enough) const {
-    return surface_.bounds.deviation(uvs_of(triangle), std::max(enough, 0.0));
+    return detail::triangle_deviation(surface_, uvs_of(triangle), std::max(enough, 0.0));
   }
 
   bool is_good(const DelaunayTriangle& triangle) const {
@@ -130,7 +131,7 @@ class PatchRefiner {
   void seed() {
     Index near = k_no_index;
     detail::each_lattice_seed(
-        surface_.bounds, domain_, options_.tolerance, [&](const Vec2& uv, const Vec2& spacing) {
+        surface_.bounds, domain_, lattice_tolerance(), [&](const Vec2& uv, const Vec2& spacing) {
           if (n_added() >= options_.most_points) return;
           const Vec2 point = uv.cwiseProduct(scale_);
           const TriangleLocation place = delaunay_->locate(point, near);
@@ -139,6 +140,38 @@ class PatchRefiner {
           if (!delaunay_->is_inside(place.triangle) || is_crowded(place.triangle, uv, spacing)) return;
           add(point, place.triangle);
         });
+  }
+
+  // Bounds over many pieces of a surface are far from what triangles reach there. A tolerance with which most
+  // triangles of lattices are within the one that was asked for.
+  double lattice_tolerance() const {
+    constexpr int k_rounds = 4;
+    constexpr double k_most_growth = 4;  // in a round: what is met changes with size
+    double tolerance = options_.tolerance;
+    for (int round = 0; round < k_rounds; ++round) {
+      const double reached = reached_by_lattice(tolerance);
+      if (!(reached > 0 && reached < 0.9 * options_.tolerance)) break;
+      tolerance *= std::min(options_.tolerance / reached, k_most_growth);
+    }
+    return tolerance;
+  }
+
+  // Of the deviations of some of a lattice's triangles, what four of five don't exceed.
+  double reached_by_lattice(double tolerance) const {
+    constexpr std::size_t k_samples = 128;
+    std::size_t n = 0, i = 0;
+    detail::each_lattice_seed(surface_.bounds, domain_, tolerance, [&](const Vec2&, const Vec2&) { ++n; });
+    std::vector<double> reached;
+    detail::each_lattice_seed(surface_.bounds, domain_, tolerance, [&](const Vec2& uv, const Vec2& spacing) {
+      if (i++ % (n / k_samples + 1) != 0) return;
+      const Vec2 half = spacing / 2;
+      reached.push_back(detail::measured_deviation(
+          surface_, {uv - half, uv + Vec2(half.x(), -half.y()), uv + Vec2(0, half.y())}));
+    });
+    if (reached.empty()) return 0;
+    const auto place = reached.begin() + static_cast<std::ptrdiff_t>(reached.size() * 4 / 5);
+    std::nth_element(reached.begin(), place, reached.end());
+    return *place;
   }
 
   // Nearer to a corner or a side of a loop than half of the spacing.

@@ -66,9 +66,10 @@ TEST(SurfaceBounds, OfDeviationHoldForTrianglesEvenAcrossKinks) {
         uvs[k] = random_place(random, part);
         corners[k] = patches.evaluate(uvs[k]);
       }
-      const double bound = bounds.deviation(uvs);
-      EXPECT_GE(bounds.deviation(uvs, 1.0), bound * (1 - 1e-12));
-      EXPECT_TRUE(bounds.deviation(uvs, 1.0) <= 1 || bounds.deviation(uvs, 1.0) <= bound * (1 + 1e-12));
+      const double bound = bounds.deviation(uvs).total();
+      EXPECT_GE(bounds.deviation(uvs, 1.0).total(), bound * (1 - 1e-12));
+      EXPECT_TRUE(bounds.deviation(uvs, 1.0).total() <= 1 ||
+                  bounds.deviation(uvs, 1.0).total() <= bound * (1 + 1e-12));
       for (int k = 0; k < 30; ++k) {
         Vec3 shares(random.number(0, 1), random.number(0, 1), random.number(0, 1));
         shares /= shares.sum();
@@ -106,7 +107,7 @@ TEST(SurfaceBounds, OfAPlaneAreNothing) {
                      {{5, 5, 1}, {5, 7, 1}, {8, 5, 1}, {8, 7, 1}},
                      {}};
   const SurfaceBounds bounds{BezierPatches(plane)};
-  EXPECT_EQ(bounds.deviation({Vec2(0, 0), Vec2(1, 1), Vec2(0, 1)}), 0);
+  EXPECT_EQ(bounds.deviation({Vec2(0, 0), Vec2(1, 1), Vec2(0, 1)}).total(), 0);
   EXPECT_LT(bounds.normal_cone({Vec2(0, 0), Vec2(1, 1)}).angle, 1e-5);
 }
 
