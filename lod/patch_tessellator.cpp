@@ -47,9 +47,9 @@ Vec2 metric_of(const BezierPatches& surface, const ParameterBox& part) {
 
 class PatchRefiner {
  public:
-  PatchRefiner(const SeamGraph& graph, std::size_t patch, const PatchSurface& surface,
+  PatchRefiner(std::span<const SeamLoop> loops, std::span<const Vec3> positions, const PatchSurface& surface,
                const PatchTessellationOptions& options)
-      : graph_(graph), patch_(patch), surface_(surface), options_(options) {}
+      : loops_(loops), positions_(positions), surface_(surface), options_(options) {}
 
   PatchTriangles run() {
     take_loops();
@@ -64,18 +64,18 @@ class PatchRefiner {
 
  private:
   void take_loops() {
-    for (std::size_t l = graph_.patch_loops[patch_]; l < graph_.patch_loops[patch_ + 1]; ++l) {
-      const auto loop = graph_.loop(l);
+    for (const SeamLoop& loop : loops_) {
       const auto first = static_cast<Index>(result_.uvs.size());
-      for (std::size_t i = 0; i < loop.size(); ++i) {
+      for (std::size_t i = 0; i < loop.slots.size(); ++i) {
         const auto here = static_cast<Index>(result_.uvs.size());
-        edges_.push_back({here, i + 1 < loop.size() ? here + 1 : first});
-        result_.uvs.push_back(loop[i].uv);
-        result_.positions.push_back(graph_.positions[loop[i].vertex]);
-        vertices_.push_back(loop[i].vertex);
-        moves_.push_back((surface_.shape.evaluate(loop[i].uv) - result_.positions.back()).norm());
-        widths_.push_back(static_cast<double>(graph_.widths[graph_.loop_offsets[l] + i]));
-        domain_.extend(loop[i].uv);
+        const SeamSlot& slot = loop.slots[i];
+        edges_.push_back({here, i + 1 < loop.slots.size() ? here + 1 : first});
+        result_.uvs.push_back(slot.uv);
+        result_.positions.push_back(positions_[slot.vertex]);
+        vertices_.push_back(slot.vertex);
+        moves_.push_back((surface_.shape.evaluate(slot.uv) - result_.positions.back()).norm());
+        widths_.push_back(static_cast<double>(loop.widths[i]));
+        domain_.extend(slot.uv);
       }
     }
     if (result_.uvs.size() < 3) throw InputError("a patch without loops has no triangles");
@@ -322,8 +322,8 @@ class PatchRefiner {
     }
   };
 
-  const SeamGraph& graph_;
-  std::size_t patch_;
+  std::span<const SeamLoop> loops_;
+  std::span<const Vec3> positions_;
   const PatchSurface& surface_;
   const PatchTessellationOptions& options_;
   PatchTriangles result_;
@@ -340,10 +340,10 @@ class PatchRefiner {
 
 }  // namespace
 
-PatchTriangles triangulate_patch(const SeamGraph& graph, std::size_t patch, const PatchSurface& surface,
-                                 const PatchTessellationOptions& options) {
+PatchTriangles triangulate_patch(std::span<const SeamLoop> loops, std::span<const Vec3> positions,
+                                 const PatchSurface& surface, const PatchTessellationOptions& options) {
   if (!(options.tolerance > 0)) throw OptionError("the tolerance of a tessellation is above 0");
-  return PatchRefiner(graph, patch, surface, options).run();
+  return PatchRefiner(loops, positions, surface, options).run();
 }
 
 Vec3 surface_normal(const BezierPatches& surface, const Vec2& uv) {

@@ -34,10 +34,10 @@ struct PatchTriangles {
   std::size_t inverted = 0;
 };
 
-/// Triangulates patch `patch` of a graph, whose surface is given. Throws `InputError` when loops cross or
-/// touch one another, or don't go around anything.
-PatchTriangles triangulate_patch(const SeamGraph& graph, std::size_t patch, const PatchSurface& surface,
-                                 const PatchTessellationOptions& options);
+/// Triangulates what loops of a patch enclose; `positions` are those of the graph. Throws `InputError` when
+/// loops cross one another or don't go around anything.
+PatchTriangles triangulate_patch(std::span<const SeamLoop> loops, std::span<const Vec3> positions,
+                                 const PatchSurface& surface, const PatchTessellationOptions& options);
 
 /// The normal of a surface, unit length: along du x dv, or its limit from inside of the domain where that has
 /// no length; (0,0,0) where there is no limit.

@@ -203,6 +203,15 @@ class GraphBuilder {
 
 }  // namespace
 
+std::vector<SeamLoop> SeamGraph::loops_of(std::size_t patch) const {
+  std::vector<SeamLoop> loops;
+  for (std::size_t l = patch_loops[patch]; l < patch_loops[patch + 1]; ++l) {
+    loops.push_back({{loop(l).begin(), loop(l).end()},
+                     {widths.begin() + loop_offsets[l], widths.begin() + loop_offsets[l + 1]}});
+  }
+  return loops;
+}
+
 SeamGraph build_seam_graph(std::span<const TrimmedPatch> patches, std::span<const PatchSurface> surfaces,
                            const SeamGraphOptions& options, Progress* progress) {
   for (const TrimmedPatch& patch : patches) {

@@ -22,6 +22,13 @@ struct SeamSlot {
   Index vertex = 0;
 };
 
+/// A trimming loop at some level of detail.
+struct SeamLoop {
+  std::vector<SeamSlot> slots;
+  std::vector<float>
+      widths;  ///< from each slot to the next: how far trimming curve and chord are apart at most
+};
+
 /// A place where patches should meet and don't.
 struct SeamGap {
   Index patch = 0;  ///< where the point is
@@ -55,6 +62,8 @@ struct SeamGraph {
   std::span<const SeamSlot> loop(std::size_t loop) const {
     return {slots.data() + loop_offsets[loop], loop_offsets[loop + 1] - loop_offsets[loop]};
   }
+  /// All of a patch, as fine as they are.
+  std::vector<SeamLoop> loops_of(std::size_t patch) const;
 };
 
 struct SeamGraphOptions {

@@ -1,0 +1,168 @@
+#include <recede/geometry/detail/interval.h>
+#include <recede/lod/detail/active_loops.h>
+#include <recede/lod/detail/edge_sampling.h>
+#include <recede/lod/seam_front.h>
+
+#include <algorithm>
+
+namespace recede {
+
+class SeamFront::Impl {
+ public:
+  Impl(const SeamGraph& graph, const SeamHierarchy& hierarchy)
+      : graph_(graph),
+        levels_(hierarchy),
+        loops_(graph),
+        vertices_(graph.positions.size(), hierarchy.splits),
+        front_(vertices_),
+        is_changed_(graph.n_patches(), true) {
+    for (std::size_t patch = 0; patch < graph.n_patches(); ++patch) {
+      for (std::size_t l = graph.patch_loops[patch]; l < graph.patch_loops[patch + 1]; ++l)
+        patch_of_loop_.push_back(static_cast<Index>(patch));
+    }
+    for (std::size_t split = hierarchy.n_splits(); split-- > 0;) apply_merge(static_cast<Index>(split));
+  }
+
+  template <typename Tolerance>
+  FrontMoves adapt(Tolerance&& tolerance_of) {
+    return front_.adapt(*this, [&](Index split) {
+      const auto error = static_cast<double>(levels_.errors[split]);
+      for (const SlotChange& change : levels_.changes_of(split)) {
+        if (error > tolerance_of(patch_of_loop_[loops_.loop_of(change.slot())])) return true;
+      }
+      return false;
+    });
+  }
+
+  // What `VertexFront` asks of a graph.
+  void apply_split(Index split) {
+    const auto changes = levels_.changes_of(split);
+    for (std::size_t i = changes.size(); i-- > 0;) {
+      if (changes[i].is_dropped()) {
+        loops_.restore(changes[i].slot());
+      } else {
+        loops_.give(changes[i].slot(), levels_.splits[split].removed);
+      }
+    }
+    mark(split);
+  }
+  void apply_merge(Index split) {
+    for (const SlotChange& change : levels_.changes_of(split)) {
+      if (change.is_dropped()) {
+        loops_.drop(change.slot());
+      } else {
+        loops_.give(change.slot(), levels_.splits[split].kept);
+      }
+    }
+    mark(split);
+  }
+  template <typename Visit>
+  void around_split(Index split, Visit&& visit) const {
+    loops_.each_neighbour(levels_.splits[split].kept, visit);
+  }
+  template <typename Visit>
+  void around_merge(Index split, Visit&& visit) const {
+    loops_.each_neighbour(levels_.splits[split].kept, visit);
+    loops_.each_neighbour(levels_.splits[split].removed, visit);
+  }
+  bool is_ready(Index) const { return true; }
+  std::size_t size() const { return 0; }
+
+  std::vector<SeamLoop> loops_of(std::size_t patch, const PatchSurface& surface) const {
+    std::vector<SeamLoop> result;
+    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
+      const Index start = loops_.first_of(l);
+      if (start == k_no_index) continue;
+      SeamLoop loop;
+      Index slot = start;
+      do {
+        loop.slots.push_back({graph_.slots[slot].uv, loops_.vertex(slot)});
+        loop.widths.push_back(width_from(slot, surface));
+        slot = loops_.next(slot);
+      } while (slot != start);
+      result.push_back(std::move(loop));
+    }
+    return result;
+  }
+
+  bool has_vanished(std::size_t patch) const {
+    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
+      if (loops_.size_of(l) > 0) return false;
+    }
+    return true;
+  }
+
+  bool is_applied(std::size_t split) const { return front_.is_applied(static_cast<Index>(split)); }
+
+  std::vector<Index> take_changed() {
+    std::vector<Index> result;
+    for (std::size_t patch = 0; patch < is_changed_.size(); ++patch) {
+      if (is_changed_[patch]) result.push_back(static_cast<Index>(patch));
+    }
+    std::fill(is_changed_.begin(), is_changed_.end(), false);
+    return result;
+  }
+
+  std::size_t n_patches() const { return graph_.n_patches(); }
+
+ private:
+  void mark(Index split) {
+    for (const SlotChange& change : levels_.changes_of(split))
+      is_changed_[patch_of_loop_[loops_.loop_of(change.slot())]] = true;
+  }
+
+  // Of the strip between the trimming curve and the chord to the next active slot.
+  float width_from(Index slot, const PatchSurface& surface) const {
+    const Index loop = loops_.loop_of(slot), first = graph_.loop_offsets[loop],
+                end = graph_.loop_offsets[loop + 1];
+    const Index to = loops_.next(slot);
+    std::vector<Vec2> points;
+    float width = 0;
+    for (Index s = slot; points.empty() || s != to; s = s + 1 < end ? s + 1 : first) {
+      points.push_back(graph_.slots[s].uv);
+      width = std::max(width, graph_.widths[s]);
+    }
+    points.push_back(graph_.slots[to].uv);
+    if (points.size() == 2) return width;
+    const double beside = detail::strip_width(surface.bounds, points, points.front(), points.back());
+    return detail::rounded_up(static_cast<double>(width) + beside);
+  }
+
+  const SeamGraph& graph_;
+  const SeamHierarchy& levels_;
+  detail::ActiveLoops loops_;
+  VertexHierarchy vertices_;
+  VertexFront front_;
+  std::vector<Index> patch_of_loop_;
+  std::vector<bool> is_changed_;
+};
+
+SeamFront::SeamFront(const SeamGraph& graph, const SeamHierarchy& hierarchy)
+    : impl_(std::make_unique<Impl>(graph, hierarchy)) {}
+SeamFront::SeamFront(SeamFront&&) noexcept = default;
+SeamFront& SeamFront::operator=(SeamFront&&) noexcept = default;
+SeamFront::~SeamFront() = default;
+
+FrontMoves SeamFront::adapt(std::span<const double> tolerance_of_patch) {
+  return impl_->adapt([&](Index patch) { return tolerance_of_patch[patch]; });
+}
+
+FrontMoves SeamFront::adapt(double tolerance) {
+  return impl_->adapt([&](Index) { return tolerance; });
+}
+
+std::vector<SeamLoop> SeamFront::loops_of(std::size_t patch, const PatchSurface& surface) const {
+  return impl_->loops_of(patch, surface);
+}
+bool SeamFront::has_vanished(std::size_t patch) const { return impl_->has_vanished(patch); }
+
+std::size_t SeamFront::n_patches_left() const {
+  std::size_t n = 0;
+  for (std::size_t patch = 0; patch < impl_->n_patches(); ++patch) n += impl_->has_vanished(patch) ? 0 : 1;
+  return n;
+}
+
+bool SeamFront::is_applied(std::size_t split) const { return impl_->is_applied(split); }
+std::vector<Index> SeamFront::take_changed() { return impl_->take_changed(); }
+
+}  // namespace recede
