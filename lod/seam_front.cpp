@@ -71,8 +71,8 @@ class SeamFront::Impl {
   std::vector<SeamLoop> loops_of(std::size_t patch, const PatchSurface& surface) const {
     std::vector<SeamLoop> result;
     for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
+      if (!loops_.encloses(l)) continue;
       const Index start = loops_.first_of(l);
-      if (start == k_no_index) continue;
       SeamLoop loop;
       Index slot = start;
       do {
@@ -87,7 +87,7 @@ class SeamFront::Impl {
 
   bool has_vanished(std::size_t patch) const {
     for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
-      if (loops_.size_of(l) > 0) return false;
+      if (loops_.encloses(l)) return false;
     }
     return true;
   }

@@ -170,14 +170,28 @@ class SeamCollapser {
       loops_.give(slots_[i], kept);
       changes_.push_back(SlotChange::given(slots_[i]));
     }
-    for (std::size_t i = first; is_possible && i < changes_.size(); ++i) {
-      const Index loop = loops_.loop_of(changes_[i].slot());
-      if (loops_.size_of(loop) > 2 || loops_.size_of(loop) == 0) continue;
-      is_possible = !is_outer_[loop] || is_last_loop(loop);
-      while (is_possible && loops_.size_of(loop) > 0) drop(loops_.first_of(loop));
-    }
+    // Slots of what encloses nothing any more stay, so that fronts know what hangs together.
+    each_lost_loop(
+        first, [&](Index loop) { is_possible = is_possible && (!is_outer_[loop] || is_last_loop(loop)); });
     if (!is_possible) undo(first, removed);
     return is_possible;
+  }
+
+  // Visits the loops that enclose nothing since the changes from `first` on.
+  template <typename Visit>
+  void each_lost_loop(std::size_t first, Visit&& visit) const {
+    for (std::size_t i = first; i < changes_.size(); ++i) {
+      const Index loop = loops_.loop_of(changes_[i].slot());
+      if (!changes_[i].is_dropped() || loops_.encloses(loop)) continue;
+      Index dropped = 0;  // of this loop, up to here
+      bool is_last = true;
+      for (std::size_t k = first; k < changes_.size(); ++k) {
+        if (!changes_[k].is_dropped() || loops_.loop_of(changes_[k].slot()) != loop) continue;
+        ++dropped;
+        is_last = is_last && k <= i;
+      }
+      if (is_last && loops_.size_of(loop) + dropped >= detail::ActiveLoops::k_least_slots) visit(loop);
+    }
   }
 
   void drop(Index slot) {
@@ -200,7 +214,7 @@ class SeamCollapser {
   bool is_last_loop(Index loop) const {
     const Index patch = patch_of_loop_[loop];
     for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
-      if (l != loop && loops_.size_of(l) > 0) return false;
+      if (l != loop && loops_.encloses(l)) return false;
     }
     return true;
   }
@@ -211,7 +225,7 @@ class SeamCollapser {
     moved_chords_.clear();
     for (std::size_t i = first; i < changes_.size(); ++i) {
       const Index slot = changes_[i].slot();
-      if (loops_.size_of(loops_.loop_of(slot)) == 0) continue;
+      if (!loops_.encloses(loops_.loop_of(slot))) continue;
       if (changes_[i].is_dropped()) {
         Index before = slot;
         while (!loops_.is_active(before)) before = loops_.previous(before);
@@ -244,12 +258,10 @@ class SeamCollapser {
       seams = std::max(seams, chords_[slot].error + end_moves(slot, kept));
     Trial trial{true, seams / k_seam_share, ghosts_[kept]};
     if (ghosts_[removed] > 0) trial.ghost = std::max(trial.ghost, ghosts_[removed] + step(removed, kept));
-    for (std::size_t i = first; i < changes_.size(); ++i) {
-      const Index loop = loops_.loop_of(changes_[i].slot());
-      if (loops_.size_of(loop) > 0) continue;
+    each_lost_loop(first, [&](Index loop) {
       const double cost = is_outer_[loop] ? guard(patch_of_loop_[loop], kept) : hole_width(loop);
       trial.ghost = std::max(trial.ghost, cost);
-    }
+    });
     trial.error = std::max(trial.error, trial.ghost);
     return trial;
   }
@@ -358,12 +370,13 @@ class SeamCollapser {
     loops_.each_neighbour(kept, [&](Index w) {
       if (w != kept && ghosts_[w] > 0 && moved > 0) ghosts_[w] += moved;
     });
-    for (std::size_t i = first; i < changes_.size(); ++i) {
-      if (loops_.size_of(loops_.loop_of(changes_[i].slot())) == 0) {
-        double& ghost = ghosts_[loops_.vertex(changes_[i].slot())];
+    each_lost_loop(first, [&](Index loop) {
+      Index slot = loops_.first_of(loop);
+      for (Index k = 0; k < loops_.size_of(loop); ++k, slot = loops_.next(slot)) {
+        double& ghost = ghosts_[loops_.vertex(slot)];
         ghost = std::max(ghost, trial.ghost);
       }
-    }
+    });
   }
 
   // Whether no new chord can meet another one, on this level or on any other that a front can reach: their
@@ -374,8 +387,8 @@ class SeamCollapser {
       const std::vector<Vec2> hull = hull_of(slot);
       const Index patch = patch_of(slot);
       for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
+        if (!loops_.encloses(l)) continue;
         const Index start = loops_.first_of(l);
-        if (start == k_no_index) continue;
         Index other = start;
         do {
           if (other != slot && chord.box.intersects(box_of(other)) && meets(slot, hull, other)) return false;

@@ -20,6 +20,9 @@ class ActiveLoops {
   /// Active slots of a loop, and one of them, or k_no_index.
   Index size_of(Index loop) const { return sizes_[loop]; }
   Index first_of(Index loop) const { return first_of_loop_[loop]; }
+  /// With fewer slots there is nothing inside.
+  static constexpr Index k_least_slots = 3;
+  bool encloses(Index loop) const { return sizes_[loop] >= k_least_slots; }
 
   /// Visits the active slots of a vertex.
   template <typename Visit>
