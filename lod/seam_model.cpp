@@ -1,0 +1,254 @@
+#include <recede/geometry/error.h>
+#include <recede/lod/seam_model.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <map>
+#include <unordered_map>
+
+namespace recede {
+
+namespace {
+
+// Which patches run along each side, and whether as it does from the lower to the higher vertex.
+using SidePatches = std::map<std::pair<Index, Index>, std::vector<std::pair<Index, bool>>>;
+
+SidePatches sides_of(const SeamGraph& graph, const std::vector<unsigned char>& is_reversed) {
+  SidePatches sides;
+  for (std::size_t patch = 0; patch < graph.n_patches(); ++patch) {
+    for (std::size_t l = graph.patch_loops[patch]; l < graph.patch_loops[patch + 1]; ++l) {
+      const auto loop = graph.loop(l);
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Index a = loop[i].vertex, b = loop[(i + 1) % loop.size()].vertex;
+        if (a == b) continue;
+        const bool runs_up = (a < b) != (is_reversed[patch] != 0);
+        sides[{std::min(a, b), std::max(a, b)}].emplace_back(static_cast<Index>(patch), runs_up);
+      }
+    }
+  }
+  return sides;
+}
+
+// Neighbours of each patch, and whether both run the same way along a side: then one has to turn.
+using Neighbours = std::vector<std::vector<std::pair<Index, bool>>>;
+
+Neighbours neighbours_of(const SeamGraph& graph, const std::vector<unsigned char>& is_reversed) {
+  Neighbours neighbours(graph.n_patches());
+  for (const auto& [side, patches] : sides_of(graph, is_reversed)) {
+    if (patches.size() != 2 || patches[0].first == patches[1].first) continue;
+    const bool is_same = patches[0].second == patches[1].second;
+    neighbours[patches[0].first].emplace_back(patches[1].first, is_same);
+    neighbours[patches[1].first].emplace_back(patches[0].first, is_same);
+  }
+  return neighbours;
+}
+
+// Turns patches until neighbours agree, the fewer of each piece of the model.
+std::size_t turn_patches(const SeamGraph& graph, std::vector<unsigned char>& is_reversed) {
+  const Neighbours neighbours = neighbours_of(graph, is_reversed);
+  std::vector<int> turn(graph.n_patches(), -1);
+  std::size_t turned = 0;
+  for (std::size_t start = 0; start < turn.size(); ++start) {
+    if (turn[start] >= 0) continue;
+    std::vector<Index> piece{static_cast<Index>(start)};
+    turn[start] = 0;
+    std::size_t n_turned = 0;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      for (const auto& [other, is_same] : neighbours[piece[i]]) {
+        if (turn[other] >= 0) continue;
+        turn[other] = turn[piece[i]] ^ (is_same ? 1 : 0);
+        n_turned += static_cast<std::size_t>(turn[other]);
+        piece.push_back(other);
+      }
+    }
+    const int minority = 2 * n_turned > piece.size() ? 0 : 1;
+    for (const Index patch : piece) {
+      if (turn[patch] != minority) continue;
+      is_reversed[patch] ^= 1;
+      ++turned;
+    }
+  }
+  return turned;
+}
+
+}  // namespace
+
+SeamModel build_seam_model(const CadPart& part, const SeamGraphOptions& options, Progress* progress) {
+  SeamModel model;
+  model.surfaces = prepare_surfaces(part.patches);
+  model.graph = build_seam_graph(part.patches, model.surfaces, options, progress);
+  model.hierarchy = build_seam_hierarchy(model.graph, model.surfaces, progress);
+  for (const TrimmedPatch& patch : part.patches) {
+    model.names.push_back(patch.name);
+    model.materials.push_back(patch.material);
+    model.is_reversed.push_back(patch.is_reversed ? 1 : 0);
+  }
+  model.turned = turn_patches(model.graph, model.is_reversed);
+  Box3 box;
+  for (const Vec3& point : model.graph.positions) box.extend(point);
+  model.size = model.graph.positions.empty() ? 0.0 : box.diagonal().norm();
+  return model;
+}
+
+class SeamTessellation::Impl {
+ public:
+  explicit Impl(const SeamModel& model)
+      : model_(model),
+        front_(model.graph, model.hierarchy),
+        triangles_(model.graph.n_patches()),
+        made_for_(model.graph.n_patches(), 0.0) {}
+
+  SeamUpdate update(std::span<const double> tolerances) {
+    if (tolerances.size() != triangles_.size()) throw OptionError("a tolerance is needed for each patch");
+    for (const double tolerance : tolerances) {
+      if (!(tolerance > 0)) throw OptionError("tolerances of patches are above 0");
+    }
+    SeamUpdate result;
+    std::vector<double> seams(tolerances.begin(), tolerances.end());  // what seams may reach, by patch
+    std::vector<unsigned char> is_tightened(seams.size(), 0);
+    constexpr int k_most_rounds = 24;
+    for (int round = 0; round < k_most_rounds; ++round) {
+      add(front_.adapt(seams), result.moves);
+      const std::vector<Index> anew = patches_to_make(tolerances);
+      result.tessellated += anew.size();
+      tbb::parallel_for(std::size_t{0}, anew.size(),
+                        [&](std::size_t i) { make(anew[i], tolerances[anew[i]]); });
+      bool is_done = true;
+      for (std::size_t patch = 0; patch < seams.size(); ++patch) {
+        if (front_.has_vanished(patch) || is_good(patch) || seams[patch] < least_error()) continue;
+        seams[patch] /= 2;
+        is_tightened[patch] = 1;
+        is_done = false;
+      }
+      if (is_done) break;
+    }
+    for (std::size_t patch = 0; patch < seams.size(); ++patch) {
+      result.tightened += is_tightened[patch];
+      count(patch, result);
+    }
+    for (std::size_t split = 0; split < model_.hierarchy.n_splits(); ++split) {
+      if (front_.is_applied(split)) continue;
+      // The first that isn't there has the largest error: what vanished is within it.
+      result.error_bound = std::max(result.error_bound, static_cast<double>(model_.hierarchy.errors[split]));
+      break;
+    }
+    return result;
+  }
+
+  PolygonSoup soup() const;
+
+  const SeamModel& model_;
+  SeamFront front_;
+  std::vector<PatchTriangles> triangles_;
+
+ private:
+  static void add(const FrontMoves& moves, FrontMoves& sum) {
+    sum.splits += moves.splits;
+    sum.forced += moves.forced;
+    sum.merges += moves.merges;
+  }
+
+  // At the finest level no split is left to be made.
+  double least_error() const {
+    return model_.hierarchy.errors.empty() ? 0.0 : static_cast<double>(model_.hierarchy.errors.back());
+  }
+
+  // Whose loops changed, and whose triangles are too coarse, or much finer than they need to be.
+  std::vector<Index> patches_to_make(std::span<const double> tolerances) {
+    constexpr double k_much_finer = 0.5;
+    std::vector<unsigned char> wanted(tolerances.size(), 0);
+    for (const Index patch : front_.take_changed()) wanted[patch] = 1;
+    std::vector<Index> result;
+    for (std::size_t patch = 0; patch < tolerances.size(); ++patch) {
+      const bool fits =
+          made_for_[patch] <= tolerances[patch] && made_for_[patch] >= k_much_finer * tolerances[patch];
+      if (wanted[patch] || !fits) result.push_back(static_cast<Index>(patch));
+    }
+    return result;
+  }
+
+  void make(Index patch, double tolerance) {
+    made_for_[patch] = tolerance;
+    triangles_[patch] = {};
+    if (front_.has_vanished(patch)) return;
+    PatchTessellationOptions options;
+    options.tolerance = tolerance;
+    try {
+      triangles_[patch] = triangulate_patch(front_.loops_of(patch, model_.surfaces[patch]),
+                                            model_.graph.positions, model_.surfaces[patch], options);
+    } catch (const InputError&) {
+      triangles_[patch].reached_tolerance = false;  // loops that cross; finer ones may not
+    }
+  }
+
+  bool is_good(std::size_t patch) const {
+    return triangles_[patch].reached_tolerance && triangles_[patch].inverted == 0;
+  }
+
+  void count(std::size_t patch, SeamUpdate& result) const {
+    if (front_.has_vanished(patch)) return;
+    const PatchTriangles& triangles = triangles_[patch];
+    ++result.patches;
+    result.triangles += triangles.triangles.size();
+    result.inverted += triangles.inverted;
+    result.error_bound = std::max(result.error_bound, triangles.error_bound);
+    if (!triangles.reached_tolerance) result.refused.push_back(static_cast<Index>(patch));
+  }
+
+  std::vector<double> made_for_;  // by patch: the tolerance of its triangles
+};
+
+PolygonSoup SeamTessellation::Impl::soup() const {
+  PolygonSoup soup;
+  std::unordered_map<Index, Index> numbers;  // of the graph's vertices
+  for (std::size_t patch = 0; patch < triangles_.size(); ++patch) {
+    if (triangles_[patch].triangles.empty()) continue;
+    const PatchTriangles& of_patch = triangles_[patch];
+    std::vector<Index> points;
+    for (const SeamLoop& loop : front_.loops_of(patch, model_.surfaces[patch])) {
+      for (const SeamSlot& slot : loop.slots) {
+        const auto [at, is_new] = numbers.try_emplace(slot.vertex, static_cast<Index>(soup.positions.size()));
+        if (is_new) soup.positions.push_back(model_.graph.positions[slot.vertex]);
+        points.push_back(at->second);
+      }
+    }
+    for (std::size_t i = points.size(); i < of_patch.positions.size(); ++i) {
+      points.push_back(static_cast<Index>(soup.positions.size()));
+      soup.positions.push_back(of_patch.positions[i]);
+    }
+    std::vector<Vec3> normals;
+    const double side = model_.is_reversed[patch] ? -1 : 1;
+    for (const Vec2& uv : of_patch.uvs)
+      normals.push_back(side * surface_normal(model_.surfaces[patch].shape, uv));
+    for (std::array<Index, 3> triangle : of_patch.triangles) {
+      if (model_.is_reversed[patch]) std::swap(triangle[1], triangle[2]);
+      soup.add_face(std::array<Index, 3>{points[triangle[0]], points[triangle[1]], points[triangle[2]]});
+      for (const Index corner : triangle) soup.corner_normals.push_back(normals[corner]);
+      soup.face_materials.push_back(model_.materials[patch]);
+    }
+  }
+  return soup;
+}
+
+SeamTessellation::SeamTessellation(const SeamModel& model) : impl_(std::make_unique<Impl>(model)) {}
+SeamTessellation::SeamTessellation(SeamTessellation&&) noexcept = default;
+SeamTessellation& SeamTessellation::operator=(SeamTessellation&&) noexcept = default;
+SeamTessellation::~SeamTessellation() = default;
+
+SeamUpdate SeamTessellation::update(std::span<const double> tolerance_of_patch) {
+  return impl_->update(tolerance_of_patch);
+}
+
+SeamUpdate SeamTessellation::update(double tolerance) {
+  return impl_->update(std::vector<double>(impl_->triangles_.size(), tolerance));
+}
+
+const SeamModel& SeamTessellation::model() const { return impl_->model_; }
+const SeamFront& SeamTessellation::front() const { return impl_->front_; }
+const PatchTriangles& SeamTessellation::triangles_of(std::size_t patch) const {
+  return impl_->triangles_[patch];
+}
+PolygonSoup SeamTessellation::soup() const { return impl_->soup(); }
+
+}  // namespace recede
