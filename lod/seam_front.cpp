@@ -72,7 +72,9 @@ class SeamFront::Impl {
     std::vector<SeamLoop> result;
     for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
       if (!loops_.encloses(l)) continue;
-      const Index start = loops_.first_of(l);
+      // The same one, however the front got here.
+      Index start = graph_.loop_offsets[l];
+      while (!loops_.is_active(start)) ++start;
       SeamLoop loop;
       Index slot = start;
       do {
