@@ -129,10 +129,10 @@ void ConstrainedDelaunay::carve(const Vec2& point, const TriangleLocation& place
   }
 }
 
-/// Makes triangles between a point and the sides around those that go for it.
+/// Makes triangles between a point and the sides around those that go for it. They are inside as those were:
+/// nothing is inserted elsewhere.
 void ConstrainedDelaunay::make_star(Index vertex, const TriangleLocation& place) {
   const DelaunayTriangle& there = triangles_[place.triangle];
-  const bool is_inside = there.is_inside;
   // On the border of the convex hull the star is open.
   const bool is_open = place.on == On::side && there.side_across(place.corner) == k_no_index;
   const Index last_vertex = is_open ? there.from(place.corner) : k_no_index;
@@ -155,7 +155,6 @@ void ConstrainedDelaunay::make_star(Index vertex, const TriangleLocation& place)
                        is_first && is_open ? k_no_index : 4 * before + 1};
     triangle.turns = {side.turns, 0, 0};
     triangle.constrained = side.is_constrained ? 1 : 0;
-    triangle.is_inside = is_inside;
     if (side.across != k_no_index) triangles_[side.across / 4].across[side.across % 4] = 4 * changed_[i];
     if (side.from != detail::k_far && to != detail::k_far) last_ = changed_[i];
   }

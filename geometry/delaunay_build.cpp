@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t k_smallest_round = 512;
 constexpr int k_bits_a_round = 3;
 
-/// Place along Hilbert's curve through a square of 2^32 by 2^32 cells.
-std::uint64_t hilbert_key(std::uint32_t x, std::uint32_t y) {
+/// Place along Hilbert's curve through a square of 2^16 by 2^16 cells.
+std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y) {
   // The curve runs through the quarters of a square in one of four ways; a quarter's way is one of them
   // again.
   struct Quarter {
@@ -28,9 +28,9 @@ std::uint64_t hilbert_key(std::uint32_t x, std::uint32_t y) {
                                                {{0, 0}, {3, 2}, {1, 1}, {2, 1}},
                                                {{2, 2}, {3, 1}, {1, 2}, {0, 3}},
                                                {{2, 3}, {1, 3}, {3, 0}, {0, 2}}};
-  std::uint64_t key = 0;
+  std::uint32_t key = 0;
   unsigned way = 0;
-  for (int bit = 31; bit >= 0; --bit) {
+  for (int bit = 15; bit >= 0; --bit) {
     const Quarter quarter = k_quarters[way][2 * (x >> bit & 1) + (y >> bit & 1)];
     key = 4 * key + quarter.rank;
     way = quarter.way;
@@ -48,7 +48,7 @@ int rounds_before_last(std::size_t point, int most) {
 }
 
 struct PlaceOnCurve {
-  std::uint64_t key;
+  std::uint32_t key;
   Index point;
   bool operator<(const PlaceOnCurve& other) const {
     return key != other.key ? key < other.key : point < other.point;
@@ -63,9 +63,9 @@ void sort_along_curve(std::span<PlaceOnCurve> places, const std::vector<Vec2>& p
   const Vec2 corner = 0.5 * box.min();
   const double side = (0.5 * box.max() - corner).maxCoeff();
   if (!(side > 0)) return;
-  constexpr double k_cells = 4294967295;
+  constexpr double k_last_cell = 65535;
   const auto cell = [&](double x) {
-    return static_cast<std::uint32_t>(std::min(x / side * k_cells, k_cells));
+    return static_cast<std::uint32_t>(std::min(x / side * k_last_cell, k_last_cell));
   };
   for (PlaceOnCurve& place : places) {
     const Vec2 in_box = 0.5 * points[place.point] - corner;

@@ -163,6 +163,9 @@ TEST(ConstrainedDelaunay, EdgesThatCrossAreRefusedWithBothNames) {
   std::vector<Vec2> long_edge = {{0, 0}, {4, 0}, {8, 0}, {12, 0}, {6, -9}, {6, 9}};
   EXPECT_EQ(crossing(long_edge, {{3, 0}, {4, 5}}),
             "edge 0 from point 3 to 0 and edge 1 from point 4 to 5 cross");
+  EXPECT_EQ(crossing(long_edge, {{0, 1}, {3, 2}, {1, 2}, {4, 5}}),
+            "edge 2 from point 1 to 2 and edge 3 from point 4 to 5 cross")
+      << "not those on the same line";
 }
 
 TEST(ConstrainedDelaunay, EdgesWithoutLengthOrPointsAreRefused) {

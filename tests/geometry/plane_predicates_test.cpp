@@ -27,8 +27,9 @@ TEST(PlanePredicates, AreThoseOfWholeNumbersAtEveryScale) {
     const int turn = test::whole_orientation(p[0], p[1], p[2]);
     const int side = test::whole_side_of_circle(p[0], p[1], p[2], p[3]);
     zeros += (turn == 0) + (side == 0);
-    // Products are too small or too large for doubles at the outer ones.
-    for (const int exponent : {0, -60, 200, 900, -270, -1074}) {
+    // Products are too small or too large for doubles at the outer ones; the last but one is where small
+    // coordinates have fewer places than large ones.
+    for (const int exponent : {0, -60, 200, 900, -270, -1040, -1074}) {
       Vec2 q[4];
       for (int k = 0; k < 4; ++k) q[k] = {std::ldexp(p[k].x(), exponent), std::ldexp(p[k].y(), exponent)};
       ASSERT_EQ(orientation(q[0], q[1], q[2]), turn) << i << ' ' << exponent;
@@ -38,6 +39,48 @@ TEST(PlanePredicates, AreThoseOfWholeNumbersAtEveryScale) {
     ASSERT_EQ(detail::exact_side_of_circle(p[0], p[1], p[2], p[3]), side) << i;
   }
   EXPECT_GT(zeros, 4000u);
+}
+
+TEST(PlanePredicates, AxesOfDifferentScalesDontChangeOrientation) {
+  std::mt19937_64 random(3);
+  std::size_t zeros = 0;
+  for (int i = 0; i < 5000; ++i) {
+    // All 53 places, on a line or one unit off it.
+    const auto coordinate = [&](int bits) { return static_cast<double>(random() >> (64 - bits)); };
+    const Vec2 step(coordinate(40), coordinate(40)), a(coordinate(51), coordinate(51));
+    const Vec2 b = a + coordinate(10) * step;
+    const Vec2 c = a + coordinate(10) * step + Vec2(0, static_cast<double>(i % 3 - 1));
+    const test::WholePoint p(a), q(b), r(c);
+    const int expected =
+        test::sign_of(test::Wide{q.x - p.x} * (r.y - p.y) - test::Wide{q.y - p.y} * (r.x - p.x));
+    zeros += expected == 0 ? 1 : 0;
+    for (const int x : {0, 11, 37, 100, 700, -900}) {
+      const auto scaled = [&](const Vec2& v) { return Vec2(std::ldexp(v.x(), x), std::ldexp(v.y(), x / 3)); };
+      ASSERT_EQ(orientation(scaled(a), scaled(b), scaled(c)), expected) << i << ' ' << x;
+      ASSERT_EQ(detail::exact_orientation(scaled(a), scaled(b), scaled(c)), expected) << i << ' ' << x;
+    }
+  }
+  EXPECT_GT(zeros, 1000u);
+}
+
+TEST(PlanePredicates, AStepOfAnyLengthLeadsIntoACircleOrOutOfIt) {
+  // From the origin, a corner of a square with whole coordinates: inward when it leads towards the opposite
+  // corner, and also when it runs along the tangent, only outward.
+  std::mt19937 random(4);
+  for (int i = 0; i < 3000; ++i) {
+    const auto coordinate = [&] { return static_cast<double>(static_cast<int>(random()) % (1 << 25)); };
+    const Vec2 a(coordinate(), coordinate()), c(-a.y(), a.x()), opposite = a + c;
+    const Vec2 step(static_cast<int>(random()) % 100, static_cast<int>(random()) % 100);
+    const Vec2 tangent(-opposite.y(), opposite.x());
+    if (a.isZero() || step.isZero()) continue;
+    const double along = opposite.dot(step);
+    for (const int exponent : {-60, -200, -700, -1074}) {
+      const Vec2 inward(std::ldexp(step.x(), exponent), std::ldexp(step.y(), exponent));
+      ASSERT_EQ(side_of_circle(a, opposite, c, inward), along > 0 ? 1 : -1) << i << ' ' << exponent;
+      const Vec2 outward(std::ldexp(tangent.x(), exponent), std::ldexp(tangent.y(), exponent));
+      ASSERT_EQ(side_of_circle(a, opposite, c, outward), -1) << i << ' ' << exponent;
+    }
+  }
 }
 
 TEST(PlanePredicates, KeepTheirSignsFarFromTheOrigin) {
