@@ -1,6 +1,9 @@
 // Shapes that OpenCASCADE makes, good ones and bad ones, and files of them. Lengths are millimetres.
 #pragma once
 
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_SequenceOfPrinters.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 
@@ -75,6 +78,18 @@ struct CadComponent {
 };
 /// Plates with screws in rows, all plates and all screws of one shape each, until `patches` are reached.
 std::vector<CadComponent> cad_screws_on_plates(int patches);
+
+/// OpenCASCADE prints nothing while it is there.
+class Silence {
+ public:
+  Silence() : printers_(Message::DefaultMessenger()->Printers()) {
+    Message::DefaultMessenger()->ChangePrinters().Clear();
+  }
+  ~Silence() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
+
+ private:
+  Message_SequenceOfPrinters printers_;
+};
 
 // Files. Nothing is printed.
 void write_brep(const std::filesystem::path& path, const TopoDS_Shape& shape);
