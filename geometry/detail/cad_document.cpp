@@ -140,11 +140,17 @@ CadDocument read_iges(const fs::path& path, Progress* progress) {
 
 CadDocument read_brep(const fs::path& path, const std::string& text, Progress* progress) {
   std::istringstream stream(text);
+  // OpenCASCADE reads on for ever where a number is missing.
+  stream.exceptions(std::ios::failbit);
   CadDocument read;
   const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
-  if (!survives([&] { BRepTools::Read(read.shape, stream, BRep_Builder(), bridge->Start()); })) {
-    fail(path, "is damaged: OpenCASCADE can't make shapes of it");
+  bool is_read = false;
+  try {
+    is_read = survives([&] { BRepTools::Read(read.shape, stream, BRep_Builder(), bridge->Start()); });
+  } catch (const std::ios::failure&) {
+    is_read = false;
   }
+  if (!is_read) fail(path, "is damaged: OpenCASCADE can't make shapes of it");
   report_progress(progress, "read", 1);
   if (read.shape.IsNull()) fail(path, "can't be read as BREP");
   return read;
