@@ -51,6 +51,8 @@ TopoDS_Shape cad_square_with_inner_edge();
 TopoDS_Shape cad_two_islands();
 /// A bounded offset of a wavy B-spline surface.
 TopoDS_Shape cad_offset_face();
+/// Pieces of an ellipse, a hyperbola and a parabola, pulled straight and turned by most of a circle.
+std::vector<TopoDS_Shape> cad_swept_faces();
 /// A piece of a torus whose loop was moved by whole turns.
 TopoDS_Shape cad_shifted_patch();
 /// A patch of a periodic B-spline surface across the parameter where it starts.
