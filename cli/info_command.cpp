@@ -1,4 +1,6 @@
+#include "cad_info.h"
 #include "common.h"
+#include <recede/geometry/cad_import.h>
 
 #include <fmt/format.h>
 
@@ -69,6 +71,7 @@ void print_text(const MeshSummary& s, const PolygonMesh& mesh) {
 }
 
 void run(const InfoOptions& options) {
+  if (is_cad_path(options.input)) return print_cad_info(options.input, options.common);
   TerminalProgress progress(options.common.quiet);
   const Model model = read_model(options.input, &progress);
   progress.clear();
@@ -86,9 +89,12 @@ void run(const InfoOptions& options) {
 void add_info_command(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* command =
-      app.add_subcommand("info", "Says what a mesh file holds and what reading it had to repair.");
+      app.add_subcommand("info", "Says what a mesh or CAD file holds and what reading it had to repair.");
   command->footer("Example:\n  recede info dragon.ply");
-  command->add_option("input", options->input, k_input_help)->required();
+  command
+      ->add_option("input", options->input,
+                   std::string(k_input_help) + ", or a CAD file (.step .stp .iges .igs .brep .brp)")
+      ->required();
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });
 }

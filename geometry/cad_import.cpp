@@ -1,9 +1,9 @@
 #include <recede/geometry/cad_import.h>
 #include <recede/geometry/detail/cad_agreement.h>
 #include <recede/geometry/detail/cad_assembly.h>
+#include <recede/geometry/detail/cad_guard.h>
 #include <recede/geometry/detail/cad_patch.h>
 #include <recede/geometry/detail/cad_repair.h>
-#include <recede/geometry/detail/cad_silence.h>
 #include <recede/geometry/error.h>
 
 #include <BRepBndLib.hxx>
@@ -182,7 +182,7 @@ CadModel read_cad(const fs::path& path, const CadImportOptions& options, Progres
   // Settings and messages of OpenCASCADE belong to the process.
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
-  const detail::CadSilence silence;
+  const detail::CadGuard guard;
   try {
     return read_checked(path, options, progress);
   } catch (const CadProblem& problem) {

@@ -395,6 +395,7 @@ PYBIND11_MODULE(_recede, m) {
   m.def("make_displaced_sphere",
         [](std::size_t faces, bool triangles) { return make_mesh(make_displaced_sphere(faces, triangles)); });
   bind_subdivision(m);
+  bind_cad(m);
   bind_charts(m);
   bind_progressive(m);
   bind_maps(m);

@@ -1,6 +1,7 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/detail/cad_document.h>
 #include <recede/geometry/detail/cad_format.h>
+#include <recede/geometry/detail/cad_guard.h>
 #include <recede/geometry/error.h>
 
 #include <BRepTools.hxx>
@@ -96,11 +97,18 @@ CadDocument read_step(const fs::path& path, Progress* progress) {
   reader.SetNameMode(true);
   reader.SetLayerMode(false);
   reader.SetPropsMode(false);
-  if (reader.ReadFile(path.string().c_str()) != IFSelect_RetDone) fail(path, "can't be read as STEP");
+  const std::string name = path.string();
+  IFSelect_ReturnStatus status = IFSelect_RetFail;
+  if (!survives([&] { status = reader.ReadFile(name.c_str()); }) || status != IFSelect_RetDone) {
+    fail(path, "can't be read as STEP");
+  }
   report_progress(progress, "read", 0.5);
   CadDocument read{new_document(), {}};
   const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
-  const bool is_done = reader.Transfer(read.document, bridge->Start());
+  bool is_done = false;
+  if (!survives([&] { is_done = reader.Transfer(read.document, bridge->Start()); })) {
+    fail(path, "is damaged: OpenCASCADE can't make shapes of it");
+  }
   report_progress(progress, "read", 1);
   if (!is_done) fail(path, "holds no shape");
   return read;
@@ -113,11 +121,18 @@ CadDocument read_iges(const fs::path& path, Progress* progress) {
   reader.SetColorMode(true);
   reader.SetNameMode(true);
   reader.SetLayerMode(false);
-  if (reader.ReadFile(path.string().c_str()) != IFSelect_RetDone) fail(path, "can't be read as IGES");
+  const std::string name = path.string();
+  IFSelect_ReturnStatus status = IFSelect_RetFail;
+  if (!survives([&] { status = reader.ReadFile(name.c_str()); }) || status != IFSelect_RetDone) {
+    fail(path, "can't be read as IGES");
+  }
   report_progress(progress, "read", 0.5);
   CadDocument read{new_document(), {}};
   const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
-  const bool is_done = reader.Transfer(read.document, bridge->Start());
+  bool is_done = false;
+  if (!survives([&] { is_done = reader.Transfer(read.document, bridge->Start()); })) {
+    fail(path, "is damaged: OpenCASCADE can't make shapes of it");
+  }
   report_progress(progress, "read", 1);
   if (!is_done) fail(path, "holds no shape");
   return read;
@@ -125,9 +140,17 @@ CadDocument read_iges(const fs::path& path, Progress* progress) {
 
 CadDocument read_brep(const fs::path& path, const std::string& text, Progress* progress) {
   std::istringstream stream(text);
+  // OpenCASCADE reads on for ever where a number is missing.
+  stream.exceptions(std::ios::failbit);
   CadDocument read;
   const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
-  BRepTools::Read(read.shape, stream, BRep_Builder(), bridge->Start());
+  bool is_read = false;
+  try {
+    is_read = survives([&] { BRepTools::Read(read.shape, stream, BRep_Builder(), bridge->Start()); });
+  } catch (const std::ios::failure&) {
+    is_read = false;
+  }
+  if (!is_read) fail(path, "is damaged: OpenCASCADE can't make shapes of it");
   report_progress(progress, "read", 1);
   if (read.shape.IsNull()) fail(path, "can't be read as BREP");
   return read;

@@ -19,6 +19,8 @@ constexpr double k_exact = 1e-9;
 /// Curves without an exact NURBS form, and offset surfaces, are as near as these shares of the body.
 constexpr double k_fit = 1e-10, k_loosest_fit = 1e-7;
 constexpr double k_surface_fit = 1e-7;
+/// Curves leave their surface's domain when they do so by more than this share of it.
+constexpr double k_outside = 1e-9;
 /// Of a curve's domain: the piece that gives way when its end moves.
 constexpr double k_moved_share = 1.0 / 64;
 
@@ -82,6 +84,20 @@ void check_surface(const ConvertedSurface& converted, const Handle(Geom_Surface)
   }
 }
 
+/// How far a curve leaves the surface's domain, as a share of that.
+double share_outside(const Geom2d_BSplineCurve& curve, const Geom_BSplineSurface& surface) {
+  double u0, u1, v0, v1;
+  surface.Bounds(u0, u1, v0, v1);
+  double outside = 0;
+  constexpr int k_steps = 32;
+  for (int i = 0; i <= k_steps; ++i) {
+    const Vec2 uv = at_share(curve, static_cast<double>(i) / k_steps);
+    outside = std::max({outside, (u0 - uv[0]) / (u1 - u0), (uv[0] - u1) / (u1 - u0), (v0 - uv[1]) / (v1 - v0),
+                        (uv[1] - v1) / (v1 - v0)});
+  }
+  return outside;
+}
+
 TrimmedUse trim_use(const EdgeUse& use, const ConvertedSurface& surface, double size, TrimmedFace& face) {
   const double fit = std::min(std::max(k_fit * size, 0.01 * use.tolerance), k_loosest_fit * size);
   const ConvertedTrim trim = convert_trim(use, surface, fit);
@@ -95,6 +111,10 @@ TrimmedUse trim_use(const EdgeUse& use, const ConvertedSurface& surface, double 
         fmt::format("a curve stays {:.3g} away from its edge, and is on its own", trim.distance));
   } else if (trim.was_projected) {
     face.repairs.emplace_back("a curve was farther from its edge than the tolerance, and was projected");
+  }
+  if (const double outside = share_outside(*trim.curve, *surface.surface); outside > k_outside) {
+    face.repairs.push_back(fmt::format(
+        "a curve leaves its surface by {:.3g} of the parameters, and the surface goes on there", outside));
   }
   if (use.is_reversed) trimmed.curve->Reverse();
   return trimmed;

@@ -285,6 +285,29 @@ Vec2 Trim::nearest(const Vec3& point, Vec2 uv) const {
   return uv;
 }
 
+/// Readers give circles along round surfaces curves of many pieces. Where a straight line is as near to the
+/// edge, it is the better curve.
+std::optional<ConvertedTrim> straightened(const EdgeUse& use, const ConvertedSurface& surface,
+                                          double tolerance) {
+  if (use.space_curve.IsNull() || untrimmed(use.curve)->IsKind(STANDARD_TYPE(Geom2d_Line))) return {};
+  const Vec2 from = use.at(0);
+  Vec2 way = use.at(1) - from;
+  // The ends of such curves are off by rounding.
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    if (std::abs(way[axis]) <= k_same_range * way.norm()) way[axis] = 0;
+  }
+  if (!(way.norm() > 0)) return {};
+  EdgeUse line = use;
+  line.curve = new Geom2d_Line(gp_Pnt2d(from[0], from[1]), gp_Dir2d(way[0], way[1]));
+  line.range = {0, way.norm()};
+  line.shift.setZero();
+  const Trim trim(line, surface, tolerance);
+  ConvertedTrim converted{trim.convert()};
+  converted.distance = trim.distance_in_space(*converted.curve);
+  if (converted.distance > tolerance) return {};
+  return converted;
+}
+
 }  // namespace
 
 Vec2 EdgeUse::at(double share) const {
@@ -314,6 +337,7 @@ ConvertedTrim convert_trim(const EdgeUse& use, const ConvertedSurface& surface, 
   if (use.is_point || use.edge.IsNull()) {
     return {straight_trim(surface.to_nurbs(use.at(0)), surface.to_nurbs(use.at(1)))};
   }
+  if (const auto straight = straightened(use, surface, fit_tolerance)) return *straight;
   const Trim trim(use, surface, fit_tolerance);
   ConvertedTrim converted{trim.convert()};
   converted.distance = trim.distance_in_space(*converted.curve);

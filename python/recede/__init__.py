@@ -28,6 +28,9 @@ from ._recede import (
     Atlas,
     BakedMaps,
     BakeResult,
+    CadInstance,
+    CadModel,
+    CadPart,
     Cancelled,
     DicedView,
     Distance,
@@ -47,16 +50,19 @@ from ._recede import (
     RepairStep,
     SimplifyResult,
     Subdivision,
+    TrimmedPatch,
+    TrimmingCurve,
 )
 from . import _recede
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
 
 __all__ = [
-    "Appearance", "AreaLight", "Atlas", "BakedMaps", "BakeResult", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
+    "Appearance", "AreaLight", "Atlas", "BakedMaps", "BakeResult", "CadInstance", "CadModel", "CadPart", "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight",
     "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material",
     "Mesh", "OneSidedDistance", "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep",
-    "SelectiveMesh", "SimplifyResult", "Subdivision", "bake", "bake_maps", "build_progressive", "compare", "dice", "diff",
-    "make_appearance", "make_atlas", "make_displaced_sphere", "make_teapot", "read", "read_appearance", "read_image", "render", "set_threads", "simplify",
+    "SelectiveMesh", "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "bake", "bake_maps", "build_progressive",
+    "can_read_cad", "compare", "dice", "diff",
+    "make_appearance", "make_atlas", "make_displaced_sphere", "make_teapot", "read", "read_appearance", "read_cad", "read_image", "render", "set_threads", "simplify",
     "simplify_levels", "subdivide", "write", "write_image",
 ]
 
@@ -72,6 +78,24 @@ def read(path: Path, *, repair: bool = True, progress: Progress | None = None) -
     Raises `InputError` that names the file and the line or byte.
     """
     return _recede.read(path, repair, progress)
+
+
+def can_read_cad() -> bool:
+    """Whether this build reads CAD files, for which it needs OpenCASCADE."""
+    return _recede.can_read_cad()
+
+
+def read_cad(path: Path, *, repair: bool = True, progress: Progress | None = None) -> CadModel:
+    """The trimmed NURBS patches in a STEP, IGES or BREP file, in millimetres (`metres_per_unit` is 0.001).
+
+    `model.parts` are bodies, which `model.instances` place: `placement` is a 4 x 4 matrix. A patch has `degrees`, `knots`,
+    `points` (n_u x n_v x 3), `weights` (n_u x n_v, or None where all are 1) and `loops`, lists of curves in its
+    parameters: outer ones run counter-clockwise, holes clockwise. Curves with the same `edge` of a part meet in space.
+
+    With `repair`, faces that can't be used as they are get mended; `model.repairs` says how. `model.left_out` has pairs of
+    what isn't there and why. Raises `InputError` when nothing can be used.
+    """
+    return _recede.read_cad(path, repair, progress)
 
 
 def write(path: Path, mesh: Mesh) -> list[str]:

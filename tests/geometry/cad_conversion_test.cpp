@@ -136,6 +136,18 @@ TEST(CadImport, HolesRunClockwise) {
   EXPECT_EQ(faces_with_holes, 2u);
 }
 
+TEST(CadImport, SweptConicsAreExact) {
+  for (const TopoDS_Shape& shape : cad_swept_faces()) {
+    const CadModel model = import_shape(shape);
+    expect_well_formed(model);
+    EXPECT_EQ(list(model), "");
+    const TrimmedPatch& patch = model.parts[0].patches[0];
+    const double rounding = 1e-9 * size_of(shape);
+    EXPECT_LT(distance_from_surface(patch, faces_of(shape)[0]), rounding);
+    EXPECT_LE(tolerances_from_edges(patch, faces_of(shape)[0], rounding), 1);
+  }
+}
+
 TEST(CadImport, AnOffsetSurfaceIsNearAndNamed) {
   const TopoDS_Shape shape = cad_offset_face();
   const CadModel model = import_shape(shape);

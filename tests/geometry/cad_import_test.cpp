@@ -258,6 +258,26 @@ TEST(CadImport, RefusesFilesThatAreCutShort) {
   }
 }
 
+/// OpenCASCADE alone reads for ever where one of these numbers isn't one.
+TEST(CadImport, EndsOnBrepFilesWithLettersForNumbers) {
+  const TempFolder folder;
+  write_brep(folder / "whole.brep", cad_plate(1));
+  const std::string whole = read_whole_file(folder / "whole.brep");
+  std::size_t refused = 0;
+  for (std::size_t at = whole.find("Curve2ds"); at + 1 < whole.size(); at += 37) {
+    std::string damaged = whole;
+    damaged[at] = ')';
+    const std::filesystem::path path = folder.write("damaged.brep", damaged);
+    try {
+      expect_well_formed(read_cad(path));
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("damaged.brep: "));
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 10u);
+}
+
 TEST(CadImport, RefusesTextThatIsSomethingElse) {
   const TempFolder folder;
   const std::string text = "solid of words\nand no numbers\n";

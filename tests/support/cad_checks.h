@@ -96,7 +96,10 @@ inline double tolerances_from_edges(const TrimmedPatch& patch, const TopoDS_Face
     for (const TrimmingCurve& curve : loop.curves) {
       if (curve.edge == k_no_index) continue;
       for (int i = 1; i < 8; ++i) {
-        const Vec3 place = by_definition(patch.surface, point_at(curve, i / 8.0));
+        const Vec2 uv = point_at(curve, i / 8.0);
+        // The definition ends with the domain; import says so in a repair when a curve goes on.
+        if (!patch.surface.domain(0).contains(uv[0]) || !patch.surface.domain(1).contains(uv[1])) continue;
+        const Vec3 place = by_definition(patch.surface, uv);
         double nearest = std::numeric_limits<double>::infinity();
         for (TopExp_Explorer edge(face, TopAbs_EDGE); edge.More(); edge.Next()) {
           double first, last, parameter;
@@ -120,8 +123,9 @@ inline double largest_gap(const CadPart& part) {
   struct Use {
     const TrimmedPatch* patch;
     const TrimmingCurve* curve;
+    // By the library: curves may leave the domain, where the definition ends.
     Vec3 at(double share) const {
-      return by_definition(patch->surface, point_at(*curve, curve->runs_against ? 1 - share : share));
+      return evaluate(patch->surface, point_at(*curve, curve->runs_against ? 1 - share : share));
     }
   };
   std::vector<std::vector<Use>> uses(part.n_edges);

@@ -6,9 +6,6 @@
 #include <IGESControl_Controller.hxx>
 #include <IGESControl_Writer.hxx>
 #include <Interface_Static.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
-#include <Message_SequenceOfPrinters.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Writer.hxx>
@@ -26,17 +23,6 @@
 namespace recede::test {
 
 namespace {
-
-class Silence {
- public:
-  Silence() : printers_(Message::DefaultMessenger()->Printers()) {
-    Message::DefaultMessenger()->ChangePrinters().Clear();
-  }
-  ~Silence() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
-
- private:
-  Message_SequenceOfPrinters printers_;
-};
 
 void require(bool is_done, const std::filesystem::path& path) {
   if (!is_done) throw std::runtime_error("can't write " + path.string());

@@ -12,6 +12,7 @@
 #include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
+#include <BRepPrimAPI_MakeRevol.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
@@ -229,6 +230,18 @@ TopoDS_Shape cad_two_islands() { return plane_face({square(0, 0, 10), square(20,
 TopoDS_Shape cad_offset_face() {
   const Handle(Geom_OffsetSurface) surface = new Geom_OffsetSurface(wavy_surface(20, 0, 1), 1.5);
   return BRepBuilderAPI_MakeFace(surface, 1e-7).Face();
+}
+
+std::vector<TopoDS_Shape> cad_swept_faces() {
+  const gp_Ax2 axes(gp_Pnt(20, 0, 0), gp::DY(), gp::DX());
+  std::vector<TopoDS_Shape> faces;
+  for (const TopoDS_Edge& edge : {BRepBuilderAPI_MakeEdge(gp_Elips(axes, 6, 3), 0.3, 4.0).Edge(),
+                                  BRepBuilderAPI_MakeEdge(gp_Hypr(axes, 4, 3), -0.7, 1.1).Edge(),
+                                  BRepBuilderAPI_MakeEdge(gp_Parab(axes, 2), -3, 5).Edge()}) {
+    faces.push_back(BRepPrimAPI_MakePrism(edge, gp_Vec(1, 9, 0)).Shape());
+    faces.push_back(BRepPrimAPI_MakeRevol(edge, gp::OZ(), 5.0).Shape());
+  }
+  return faces;
 }
 
 TopoDS_Shape cad_shifted_patch() {

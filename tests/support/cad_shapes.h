@@ -1,6 +1,9 @@
 // Shapes that OpenCASCADE makes, good ones and bad ones, and files of them. Lengths are millimetres.
 #pragma once
 
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_SequenceOfPrinters.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 
@@ -48,6 +51,8 @@ TopoDS_Shape cad_square_with_inner_edge();
 TopoDS_Shape cad_two_islands();
 /// A bounded offset of a wavy B-spline surface.
 TopoDS_Shape cad_offset_face();
+/// Pieces of an ellipse, a hyperbola and a parabola, pulled straight and turned by most of a circle.
+std::vector<TopoDS_Shape> cad_swept_faces();
 /// A piece of a torus whose loop was moved by whole turns.
 TopoDS_Shape cad_shifted_patch();
 /// A patch of a periodic B-spline surface across the parameter where it starts.
@@ -75,6 +80,18 @@ struct CadComponent {
 };
 /// Plates with screws in rows, all plates and all screws of one shape each, until `patches` are reached.
 std::vector<CadComponent> cad_screws_on_plates(int patches);
+
+/// OpenCASCADE prints nothing while it is there.
+class Silence {
+ public:
+  Silence() : printers_(Message::DefaultMessenger()->Printers()) {
+    Message::DefaultMessenger()->ChangePrinters().Clear();
+  }
+  ~Silence() { Message::DefaultMessenger()->ChangePrinters() = printers_; }
+
+ private:
+  Message_SequenceOfPrinters printers_;
+};
 
 // Files. Nothing is printed.
 void write_brep(const std::filesystem::path& path, const TopoDS_Shape& shape);

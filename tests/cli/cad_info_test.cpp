@@ -1,0 +1,85 @@
+// What `recede info` says of CAD files.
+#include "cad_shapes.h"
+#include "run_recede.h"
+
+#include <set>
+
+namespace recede::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Two screws on a plate with four holes, of two colours.
+std::string write_assembly(const TempFolder& folder) {
+  const TopoDS_Shape screw = cad_screw();
+  write_step_assembly(folder / "assembly.step",
+                      {{cad_plate(2), "plate", {0, 0, 0}, {0.2, 0.3, 0.8}},
+                       {screw, "screw", {4, 4, 0}},
+                       {screw, "screw", {12, 4, 0}}},
+                      {screw});
+  return folder / "assembly.step";
+}
+
+TEST(CadInfo, CountsPartsAndPatches) {
+  const TempFolder folder;
+  const nlohmann::json info = json_of(run_recede({"info", write_assembly(folder), "--json"}));
+  EXPECT_EQ(info["metres_per_unit"], 1e-3);
+  ASSERT_EQ(info["parts"].size(), 2u);
+  EXPECT_EQ(info["parts"][0]["name"], "plate");
+  EXPECT_EQ(info["parts"][0]["patches"], 10);
+  EXPECT_EQ(info["parts"][0]["edges"], 24);
+  EXPECT_EQ(info["parts"][0]["corners"], 16);
+  EXPECT_EQ(info["instances"], 3);
+  EXPECT_EQ(info["patches"], 16);
+  EXPECT_EQ(info["open_edges"], 0);
+  EXPECT_EQ(info["closed_parts"], 2);
+  EXPECT_EQ(info["materials"].size(), 2u);
+  EXPECT_EQ(info["materials"][0].get<std::string>().front(), '#');
+  // The plate, and the screws' heads and tips above and below it.
+  EXPECT_NEAR(info["box"]["max"][2].get<double>(), 4, 1e-9);
+  EXPECT_NEAR(info["box"]["min"][2].get<double>(), -7, 1e-9);
+  EXPECT_TRUE(info["left_out"].empty());
+  EXPECT_TRUE(info["repairs"].empty());
+}
+
+TEST(CadInfo, PrintsWhatWasLeftOutAndMended) {
+  const TempFolder folder;
+  write_brep(folder / "bad.brep", cad_compound({cad_square_with_inner_edge(), cad_tube_without_seam()}));
+  const CommandResult run = run_recede({"info", folder / "bad.brep"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("left out     face 1 of \"bad\": 1 edges inside of it bound nothing"),
+                    HasSubstr("repaired     face 2 of \"bad\": mended, because a loop doesn't close"),
+                    HasSubstr("unit         0.001 m")));
+}
+
+TEST(CadInfo, RefusesBadFilesInOneLine) {
+  const TempFolder folder;
+  EXPECT_THAT(complaint_of(run_recede({"info", folder.write("bad.step", "no step")}), 1),
+              HasSubstr("bad.step: isn't a STEP file"));
+  EXPECT_THAT(complaint_of(run_recede({"info", folder / "absent.iges"}), 1), HasSubstr("absent.iges"));
+}
+
+void collect_names(const nlohmann::json& value, std::set<std::string>& names) {
+  for (const auto& [name, field] : value.items()) {
+    if (value.is_object()) names.insert(name);
+    if (field.is_structured()) collect_names(field, names);
+  }
+}
+
+TEST(CadInfo, IsExplainedFieldByField) {
+  const TempFolder folder;
+  std::set<std::string> names;
+  collect_names(json_of(run_recede({"info", write_assembly(folder), "--json"})), names);
+  write_brep(folder / "bad.brep", cad_square_with_inner_edge());
+  collect_names(json_of(run_recede({"info", folder / "bad.brep", "--json"})), names);
+  EXPECT_TRUE(names.contains("reason"));
+  const std::string page = read_whole_file(std::filesystem::path(RECEDE_SOURCE) / "docs/command-line.md");
+  for (const std::string& name : names) {
+    EXPECT_NE(page.find("`" + name + "`"), page.npos) << name << " isn't explained";
+  }
+}
+
+}  // namespace
+}  // namespace recede::test

@@ -1,0 +1,65 @@
+"""CAD models as a user of the module sees them."""
+
+import pathlib
+
+import numpy as np
+import pytest
+
+import recede
+
+CYLINDER = pathlib.Path(__file__).with_name("cylinder.brep")  # radius 2, height 3
+
+pytestmark = pytest.mark.skipif(not recede.can_read_cad(), reason="built without OpenCASCADE")
+
+
+def test_a_cylinder_comes_as_arrays_that_outlive_the_model():
+    model = recede.read_cad(CYLINDER)
+    assert model.metres_per_unit == 1e-3
+    assert model.left_out == [] and model.repairs == [] and model.materials == []
+    (part,) = model.parts
+    assert part.name == "cylinder" and part.is_closed and (part.n_edges, part.n_corners) == (3, 2)
+    assert [patch.degrees for patch in part.patches] == [(2, 1), (1, 1), (1, 1)]
+    side = part.patches[0]
+    points, weights, (u, v) = side.points, side.weights, side.knots
+    loops = side.loops
+    del model, part, side
+    assert points.shape == (9, 2, 3) and weights.shape == (9, 2)
+    assert len(u) == 9 + 2 + 1 and v.tolist() == [0, 0, 3, 3]
+    # Control points of even numbers are on the circle, those between at the corners of the square around it.
+    radii = np.hypot(points[..., 0], points[..., 1])
+    assert np.allclose(radii[::2], 2) and np.allclose(radii[1::2], 2 * np.sqrt(2))
+    assert np.allclose(weights[::2], 1) and np.allclose(weights[1::2], np.sqrt(0.5))
+    assert not points.flags.writeable
+    assert [len(loop) for loop in loops] == [4]
+
+
+def test_loops_close_and_share_edges():
+    part = recede.read_cad(CYLINDER).parts[0]
+    uses = {}
+    for patch in part.patches:
+        for loop in patch.loops:
+            for curve, following in zip(loop, loop[1:] + loop[:1]):
+                assert np.array_equal(curve.points[-1], following.points[0])
+                assert curve.corners[1] == following.corners[0]
+                assert len(curve.knots) == len(curve.points) + curve.degree + 1
+                assert curve.weights is None or len(curve.weights) == len(curve.points)
+                # Seen from the patches' fronts.
+                uses.setdefault(curve.edge, []).append(curve.runs_against != patch.is_reversed)
+    assert sorted(uses) == [0, 1, 2] and all(sorted(use) == [False, True] for use in uses.values())
+
+
+def test_instances_place_parts():
+    (instance,) = recede.read_cad(CYLINDER).instances
+    assert instance.part == 0 and instance.material is None
+    assert np.array_equal(instance.placement, np.eye(4))
+
+
+def test_bad_files_raise_and_progress_stops(tmp_path):
+    cut = tmp_path / "cut.brep"
+    cut.write_text(CYLINDER.read_text()[:-200])
+    with pytest.raises(recede.InputError, match="cut.brep: is cut short"):
+        recede.read_cad(cut)
+    with pytest.raises(recede.InputError, match="unknown kind of CAD file"):
+        recede.read_cad(__file__)
+    with pytest.raises(recede.Cancelled):
+        recede.read_cad(CYLINDER, progress=lambda stage, fraction: False)
