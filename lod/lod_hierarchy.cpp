@@ -1,5 +1,5 @@
 #include <recede/geometry/error.h>
-#include <recede/lod/lod_hierarchy.h>
+#include <recede/lod/detail/switch_distances.h>
 
 #include <fmt/format.h>
 
@@ -78,7 +78,7 @@ class HierarchyBuilder {
     } else {
       add_levels_by_error();
     }
-    set_switch_distances();
+    detail::set_switch_distances(hierarchy_);
     if (options_.maps) add_maps();
     return std::move(hierarchy_);
   }
@@ -139,20 +139,6 @@ class HierarchyBuilder {
     }
   }
 
-  /// Distances count from the nearest point of the bounding sphere, where an error looks largest, and never
-  /// fall from one level to the next.
-  void set_switch_distances() {
-    double previous = 0;
-    for (LodLevel& level : hierarchy_.levels) {
-      level.switch_distance = std::max(previous, switch_distance(level.error.bound, options_.view));
-      previous = level.switch_distance;
-      const double to_center = level.switch_distance + hierarchy_.radius;
-      const double half_height = to_center * std::tan(options_.view.field_of_view / 2);
-      level.screen_coverage = half_height > 0 ? std::min(1.0, hierarchy_.radius / half_height) : 1;
-    }
-    hierarchy_.levels.front().screen_coverage = 1;
-  }
-
   const PolygonMesh& mesh_;
   PolygonSoup input_;
   DistanceMeter meter_;
@@ -162,6 +148,20 @@ class HierarchyBuilder {
 };
 
 }  // namespace
+
+void detail::set_switch_distances(LodHierarchy& hierarchy) {
+  double previous = 0;
+  for (LodLevel& level : hierarchy.levels) {
+    level.switch_distance = std::max(previous, switch_distance(level.error.bound, hierarchy.view));
+    previous = level.switch_distance;
+    const double to_center = level.switch_distance + hierarchy.radius;
+    const double half_height = to_center * std::tan(hierarchy.view.field_of_view / 2);
+    level.screen_coverage = half_height > 0 ? std::min(1.0, hierarchy.radius / half_height) : 1;
+  }
+  // From everywhere: there is no finer one.
+  hierarchy.levels.front().switch_distance = 0;
+  hierarchy.levels.front().screen_coverage = 1;
+}
 
 LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
                              const HierarchyOptions& options, Progress* progress) {

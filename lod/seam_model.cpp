@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <unordered_map>
 
@@ -136,6 +137,7 @@ class SeamTessellation::Impl {
     return result;
   }
 
+  SampledDeviation sampled_deviation() const;
   PolygonSoup soup() const;
 
   const SeamModel& model_;
@@ -199,6 +201,30 @@ class SeamTessellation::Impl {
   std::vector<double> made_for_;  // by patch: the tolerance of its triangles
 };
 
+SampledDeviation SeamTessellation::Impl::sampled_deviation() const {
+  static const std::array<Vec3, 4> k_places{Vec3(0.5, 0.5, 0), Vec3(0, 0.5, 0.5), Vec3(0.5, 0, 0.5),
+                                            Vec3::Constant(1.0 / 3)};
+  SampledDeviation result;
+  double squares = 0;
+  for (std::size_t patch = 0; patch < triangles_.size(); ++patch) {
+    const PatchTriangles& of_patch = triangles_[patch];
+    for (const auto& [a, b, c] : of_patch.triangles) {
+      const Vec3 &pa = of_patch.positions[a], &pb = of_patch.positions[b], &pc = of_patch.positions[c];
+      const double area = 0.5 * (pb - pa).cross(pc - pa).norm();
+      result.area += area;
+      for (const Vec3& at : k_places) {
+        const Vec2 uv = at[0] * of_patch.uvs[a] + at[1] * of_patch.uvs[b] + at[2] * of_patch.uvs[c];
+        const double distance =
+            (model_.surfaces[patch].shape.evaluate(uv) - (at[0] * pa + at[1] * pb + at[2] * pc)).norm();
+        result.max = std::max(result.max, distance);
+        squares += area * distance * distance / k_places.size();
+      }
+    }
+  }
+  result.rms = result.area > 0 ? std::sqrt(squares / result.area) : 0;
+  return result;
+}
+
 PolygonSoup SeamTessellation::Impl::soup() const {
   PolygonSoup soup;
   std::unordered_map<Index, Index> numbers;  // of the graph's vertices
@@ -249,6 +275,7 @@ const SeamFront& SeamTessellation::front() const { return impl_->front_; }
 const PatchTriangles& SeamTessellation::triangles_of(std::size_t patch) const {
   return impl_->triangles_[patch];
 }
+SampledDeviation SeamTessellation::sampled_deviation() const { return impl_->sampled_deviation(); }
 PolygonSoup SeamTessellation::soup() const { return impl_->soup(); }
 
 }  // namespace recede

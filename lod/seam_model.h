@@ -42,6 +42,13 @@ struct SeamUpdate {
   std::vector<Index> refused;  ///< patches that couldn't be triangulated within their tolerance
 };
 
+/// How far samples of triangles, three on the sides and one within each, are from the surface at their
+/// parameters.
+struct SampledDeviation {
+  double max = 0, rms = 0;  ///< weighted by area
+  double area = 0;          ///< of the triangles
+};
+
 /// The triangles of a model at a level that can change from patch to patch, without a gap between patches.
 class SeamTessellation {
  public:
@@ -60,6 +67,8 @@ class SeamTessellation {
   const SeamFront& front() const;
   /// Of a patch; empty: it has vanished.
   const PatchTriangles& triangles_of(std::size_t patch) const;
+
+  SampledDeviation sampled_deviation() const;
 
   /// All triangles as one mesh over the sewing points that are used, with the surface's normals at corners
   /// and materials of patches.
