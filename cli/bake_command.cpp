@@ -1,3 +1,4 @@
+#include "cad_bake.h"
 #include "drawn_levels.h"
 #include <recede/geometry/error.h>
 #include <recede/lod/lod_hierarchy.h>
@@ -25,6 +26,7 @@ struct BakeOptions {
   std::vector<std::string> maps;  // names
   std::string map_format = "png";
   std::optional<double> map_seam_weight;
+  SeamGraphOptions seams;  // of CAD files
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
 
@@ -140,11 +142,30 @@ std::optional<MapOptions> map_options(const BakeOptions& options) {
                     .normal_bits = options.map_normal_bits};
 }
 
+void run_for_cad(const BakeOptions& options) {
+  if (!options.hierarchy.ratios.empty())
+    throw OptionError(
+        "--ratios are of the input's faces; levels of CAD files have --errors or --relative-errors");
+  if (!options.maps.empty() || options.appearance)
+    throw OptionError("--maps are of meshes, not of CAD files");
+  CadBakeOptions cad{options.common,   options.input, options.output, options.up, {}, {}, {},
+                     options.no_report};
+  cad.hierarchy.errors = options.hierarchy.errors;
+  cad.hierarchy.view = options.hierarchy.view;
+  cad.hierarchy.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
+  cad.hierarchy.gap = options.seams.gap;
+  cad.hierarchy.use_connectivity = options.seams.use_connectivity;
+  cad.relative_errors = options.relative_errors;
+  cad.distances = options.hierarchy.distances;
+  bake_cad(std::move(cad));
+}
+
 void run(BakeOptions options) {
   const auto start = std::chrono::steady_clock::now();
   if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output)) {
     throw InputError::in_file(options.output, "isn't a folder");
   }
+  if (is_cad_path(options.input)) return run_for_cad(options);
   TerminalProgress progress(options.common.quiet);
   HierarchyOptions& hierarchy_options = options.hierarchy;
   hierarchy_options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
@@ -201,10 +222,17 @@ void add_bake_command(CLI::App& app) {
       "bake",
       "Makes a hierarchy of levels of detail, each with its measured error, and a report with pictures.");
   command->footer("Example:\n  recede bake dragon.ply -o out/ --ratios 0.5 0.1 0.02");
-  command->add_option("input", options->input, k_input_help)->required();
+  command
+      ->add_option("input", options->input,
+                   "mesh or CAD file (.obj .ply .stl .off .gltf .glb .step .stp .iges .igs .brep .brp), or a "
+                   "built-in model: teapot, sphere")
+      ->required();
   command->add_option("-o,--output", options->output, "folder to write to")->required();
   HierarchyOptions& hierarchy = options->hierarchy;
-  const auto levels = "Levels (one of; default: --ratios 0.5 0.25 0.1 0.03 0.01)";
+  const auto levels =
+      "Levels (one of; default: --ratios 0.5 0.25 0.1 0.03 0.01; of CAD files: --relative-errors 0.0003 "
+      "0.001 0.003 "
+      "0.01 0.03)";
   CLI::Option_group* choice = command->add_option_group(levels);
   choice->add_option("--ratios", hierarchy.ratios, "shares of the input's faces, decreasing");
   choice->add_option("--errors", hierarchy.errors, "certified error bounds, increasing, object units");
@@ -250,6 +278,7 @@ void add_bake_command(CLI::App& app) {
                  "also writes how heights look from afar, for recede render --appearance")
       ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
+  add_seam_options(*command, options->seams, "CAD files");
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

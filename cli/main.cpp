@@ -55,6 +55,8 @@ int main(int argc, char** argv) {
   recede::cli::add_diff_command(app);
   recede::cli::add_atlas_command(app);
   recede::cli::add_subdivide_command(app);
+  recede::cli::add_seams_command(app);
+  recede::cli::add_walk_command(app);
   recede::cli::add_info_command(app);
   recede::cli::add_progressive_command(app);
   recede::cli::add_extract_command(app);

@@ -264,7 +264,7 @@ void SurfaceBounds::visit(const ParameterBox& part, Visit&& visit) const {
     const Entry entry = stack[--size];
     const Node& node = nodes_[entry.node];
     const bool is_last = node.first_child == 0 || part.contains(entry.box);
-    if (!visit(node, is_last) || is_last) continue;
+    if (!visit(node, is_last) || node.first_child == 0) continue;
     const auto axis = static_cast<int>(node.axis);
     if (part.min()[axis] <= node.split) {
       stack[size] = {node.first_child, entry.box};
@@ -284,9 +284,24 @@ Box3 SurfaceBounds::box(const ParameterBox& part) const {
       box.extend(Vec3(node.lower[0], node.lower[1], node.lower[2]) + origin_);
       box.extend(Vec3(node.upper[0], node.upper[1], node.upper[2]) + origin_);
     }
-    return true;
+    return !is_last;
   });
   return box;
+}
+
+double SurfaceBounds::distance(const ParameterBox& part, const Vec3& point) const {
+  const Vec3 from = point - origin_;
+  double least = std::numeric_limits<double>::infinity();
+  visit(part, [&](const Node& node, bool) {
+    const Box3 box(Vec3(node.lower[0], node.lower[1], node.lower[2]),
+                   Vec3(node.upper[0], node.upper[1], node.upper[2]));
+    const double squared = box.squaredExteriorDistance(from);
+    // Down to the smallest boxes, which are nearest to the surface.
+    if (squared >= least) return false;
+    if (node.first_child == 0) least = squared;
+    return true;
+  });
+  return std::sqrt(least);
 }
 
 DerivativeBounds SurfaceBounds::derivatives(const ParameterBox& part) const {
@@ -295,7 +310,7 @@ DerivativeBounds SurfaceBounds::derivatives(const ParameterBox& part) const {
     if (is_last) {
       for (std::size_t i = 0; i < 5; ++i) largest[i] = std::max(largest[i], node.derivatives[i]);
     }
-    return true;
+    return !is_last;
   });
   return {largest[0], largest[1], largest[2], largest[3], largest[4]};
 }
@@ -308,7 +323,7 @@ NormalCone SurfaceBounds::normal_cone(const ParameterBox& part) const {
       cone = is_first ? Builder::cone_of(node) : merged(cone, Builder::cone_of(node));
       is_first = false;
     }
-    return true;
+    return !is_last;
   });
   return cone;
 }

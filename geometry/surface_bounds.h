@@ -36,6 +36,8 @@ class SurfaceBounds {
 
   /// Holds the surface over a part of its domain.
   Box3 box(const ParameterBox& part) const;
+  /// At most the distance of any point of that part.
+  double distance(const ParameterBox& part, const Vec3& point) const;
   DerivativeBounds derivatives(const ParameterBox& part) const;
   NormalCone normal_cone(const ParameterBox& part) const;
 

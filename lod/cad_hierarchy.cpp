@@ -20,26 +20,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Of points of all trimming curves: patches that bulge reach farther.
-double diagonal_of(const CadModel& model) {
-  constexpr int k_samples = 8;
-  Box3 box;
-  for (const CadInstance& instance : model.instances) {
-    for (const TrimmedPatch& patch : model.parts[instance.part].patches) {
-      for (const TrimmingLoop& loop : patch.loops) {
-        for (const TrimmingCurve& curve : loop.curves) {
-          const ParameterRange range = curve.curve.domain();
-          for (int i = 0; i < k_samples; ++i) {
-            const Vec2 uv = evaluate(curve.curve, range.begin + range.length() * i / k_samples);
-            box.extend(instance.placement * evaluate(patch.surface, uv));
-          }
-        }
-      }
-    }
-  }
-  return box.isEmpty() ? 0 : box.diagonal().norm();
-}
-
 // The largest factor by which a placement makes lengths longer.
 double scale_of(const Eigen::Affine3d& placement) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(placement.linear().transpose() *
@@ -84,7 +64,7 @@ class CadLevels {
   }
 
   CadHierarchy run(const std::string& name) {
-    result_.diagonal = diagonal_of(model_);
+    result_.diagonal = cad_diagonal(model_);
     errors_ = options_.errors;
     if (errors_.empty()) {
       for (const double share : k_default_errors) errors_.push_back(share * result_.diagonal);
@@ -205,6 +185,25 @@ class CadLevels {
 };
 
 }  // namespace
+
+double cad_diagonal(const CadModel& model) {
+  constexpr int k_samples = 8;
+  Box3 box;
+  for (const CadInstance& instance : model.instances) {
+    for (const TrimmedPatch& patch : model.parts[instance.part].patches) {
+      for (const TrimmingLoop& loop : patch.loops) {
+        for (const TrimmingCurve& curve : loop.curves) {
+          const ParameterRange range = curve.curve.domain();
+          for (int i = 0; i < k_samples; ++i) {
+            const Vec2 uv = evaluate(curve.curve, range.begin + range.length() * i / k_samples);
+            box.extend(instance.placement * evaluate(patch.surface, uv));
+          }
+        }
+      }
+    }
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
+}
 
 CadHierarchy build_cad_hierarchy(const CadModel& model, const std::string& name,
                                  const CadHierarchyOptions& options, Progress* progress) {

@@ -53,4 +53,8 @@ struct CadHierarchy {
 CadHierarchy build_cad_hierarchy(const CadModel& model, const std::string& name,
                                  const CadHierarchyOptions& options = {}, Progress* progress = nullptr);
 
+/// The diagonal of the box of points of all trimming curves, where instances are: the size to which shares of
+/// errors refer. 0 without curves.
+double cad_diagonal(const CadModel& model);
+
 }  // namespace recede

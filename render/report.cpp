@@ -155,6 +155,9 @@ void check(const LodHierarchy& hierarchy, const HierarchyFiles& files, const Rep
     throw OptionError(fmt::format("{} levels, but {} files and {} file sizes", hierarchy.levels.size(),
                                   files.level_files.size(), files.level_bytes.size()));
   }
+  if (!options.patches.empty() && options.patches.size() != hierarchy.levels.size())
+    throw OptionError(
+        fmt::format("{} levels, but {} counts of patches", hierarchy.levels.size(), options.patches.size()));
   if (!(options.up.norm() > 0) || !options.up.allFinite())
     throw OptionError("the up direction must not be zero");
 }

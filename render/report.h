@@ -11,6 +11,8 @@ namespace recede {
 struct ReportOptions {
   /// Points upwards in the pictures. The camera looks from the front, a little from the right and above.
   Vec3 up = Vec3::UnitY();
+  /// By level: patches that are left of a CAD model; empty: it isn't one.
+  std::vector<std::size_t> patches{};
 };
 
 /// Files that were written.
@@ -37,7 +39,8 @@ struct ReportFiles {
 ///       width, height (pixels compared), samples_per_pixel, camera_distance (to the sphere's center);
 ///     maps: null without any, else size (texels a side), max and rms (of the displaced level; null without
 ///       a displacement map), seam_difference, texels, missed, search_distance, atlas_reason, seconds
-///       (see displacement_bake.h).
+///       (see displacement_bake.h);
+///     patches: null but for CAD models.
 /// Numbers that aren't finite are null.
 ///
 /// Throws `OptionError` when `files` doesn't fit the hierarchy's levels or `up` is zero, `InputError` when a

@@ -103,7 +103,10 @@ std::string table_row(const ReportContent& content, std::size_t index) {
   const LodLevel& level = content.hierarchy.levels[index];
   const LevelContent& drawn = content.levels[index];
   std::string row = fmt::format("<tr id=\"row-{0}\"><td><a href=\"#level-{0}\">{0}</a></td>", index);
-  row += cell(grouped(drawn.summary.faces), kinds_of_faces(drawn.summary));
+  std::string faces = kinds_of_faces(drawn.summary);
+  if (!content.options.patches.empty())
+    faces += (faces.empty() ? "" : "<br>") + grouped(content.options.patches[index]) + " patches";
+  row += cell(grouped(drawn.summary.faces), faces);
   row += cell(grouped(drawn.summary.vertices));
   row += cell(bytes_text(content.files.level_bytes[index]));
   for (const double error : {level.error.max, level.error.rms, level.error.bound}) {

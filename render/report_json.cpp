@@ -62,7 +62,8 @@ Json level_fields(const ReportContent& content, std::size_t index) {
           {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
           {"stop_reason", level.stop_reason},
           {"image_difference", drawn.at_switch ? difference_fields(*drawn.at_switch) : Json()},
-          {"maps", map_fields(content, index)}};
+          {"maps", map_fields(content, index)},
+          {"patches", content.options.patches.empty() ? Json() : Json(content.options.patches[index])}};
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
   for (const char* command : {"atlas", "bake", "simplify", "compare", "diff", "info", "progressive",
-                              "extract", "render", "turntable", "dice", "subdivide"}) {
+                              "extract", "render", "turntable", "dice", "subdivide", "seams", "walk"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);

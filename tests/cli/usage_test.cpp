@@ -11,8 +11,8 @@ using testing::Not;
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
                          testing::Values("atlas", "bake", "simplify", "compare", "diff", "info",
-                                         "progressive", "extract", "render", "turntable", "dice",
-                                         "subdivide"),
+                                         "progressive", "extract", "render", "turntable", "dice", "subdivide",
+                                         "seams", "walk"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {

@@ -33,10 +33,13 @@ TEST(SurfaceBounds, HoldEverywhereOnRandomSurfaces) {
       const Box3 box = bounds.box(part);
       const DerivativeBounds most = bounds.derivatives(part);
       const NormalCone cone = bounds.normal_cone(part);
+      const Vec3 eye(random.number(-9, 9), random.number(-9, 9), random.number(-9, 9));
+      const double distance = bounds.distance(part, eye);
       for (int k = 0; k < 30; ++k) {
         const Vec2 uv = random_place(random, part);
         const SurfaceDerivatives here = patches.derivatives(uv);
         EXPECT_TRUE(box.contains(here.point));
+        EXPECT_LE(distance, (here.point - eye).norm());
         EXPECT_LE(here.du.norm(), most.u);
         EXPECT_LE(here.dv.norm(), most.v);
         EXPECT_LE(here.duu.norm(), most.uu);

@@ -1,0 +1,29 @@
+// `recede bake` for CAD files.
+#pragma once
+
+#include "common.h"
+#include <recede/lod/cad_hierarchy.h>
+
+namespace recede::cli {
+
+struct CadBakeOptions {
+  CommonOptions common;
+  std::string input, output, up;
+  CadHierarchyOptions hierarchy;
+  std::vector<double> relative_errors, distances;
+  bool no_report = false;
+};
+
+/// Adds `--gap` and `--no-connectivity`.
+void add_seam_options(CLI::App& command, SeamGraphOptions& options, const std::string& group);
+
+void bake_cad(CadBakeOptions options);
+
+/// What was left out of the model or mended to read it, a line each on standard error.
+void print_cad_remarks(const CadModel& model, const CommonOptions& options);
+/// Fields `part`, `patches`, `sewing_points`, `edges_of_file`, `edges_by_position`, `free_edges`,
+/// `crowded_edges`, `turned`, `largest_move` and `gaps`.
+Json seams_to_json(const CadSeamReport& report, const std::vector<std::string>& names);
+Json left_out_to_json(const CadModel& model);
+
+}  // namespace recede::cli

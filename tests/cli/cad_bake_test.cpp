@@ -1,0 +1,161 @@
+// `recede bake` and `recede seams` of CAD files.
+#include "cad_shapes.h"
+#include "run_recede.h"
+#include <recede/geometry/mesh_io.h>  // before OpenCASCADE, whose macro Handle would break it
+
+#include <map>
+#include <set>
+
+namespace recede::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// Sides that triangles run along more often one way than the other.
+std::size_t open_sides(const fs::path& level) {
+  const PolygonSoup soup = read_soup(level);
+  std::map<std::pair<Index, Index>, int> sides;
+  for (std::size_t face = 0; face < soup.n_faces(); ++face) {
+    const auto corners = soup.face(face);
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Index a = corners[k], b = corners[(k + 1) % corners.size()];
+      sides[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  }
+  return static_cast<std::size_t>(
+      std::count_if(sides.begin(), sides.end(), [](const auto& side) { return side.second != 0; }));
+}
+
+std::string write_rounded_box(const TempFolder& folder) {
+  write_step(folder / "box.step", cad_rounded_box());
+  return folder / "box.step";
+}
+
+TEST(CadBake, WritesClosedLevelsWithErrorsAndFewerAndFewerPatches) {
+  const TempFolder folder;
+  const json result =
+      json_of(run_recede({"bake", write_rounded_box(folder), "-o", folder / "out", "--relative-errors",
+                          "0.001", "0.01", "0.1", "--no-report", "--json"}));
+  EXPECT_EQ(result["patches"], 26);
+  ASSERT_EQ(result["levels"].size(), 3u);
+  const double diagonal = result["diagonal"].get<double>();
+  std::size_t faces = 1'000'000, patches = 26;
+  const double shares[] = {0.001, 0.01, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const json& level = result["levels"][i];
+    EXPECT_LE(level["error"]["bound"].get<double>(), shares[i] * diagonal) << i;
+    EXPECT_GT(level["error"]["bound"].get<double>(), 0) << i;
+    EXPECT_TRUE(level["missed"].empty()) << level["missed"];
+    EXPECT_LT(level["faces"].get<std::size_t>(), faces) << i;
+    EXPECT_LE(level["patches"].get<std::size_t>(), patches) << i;
+    faces = level["faces"].get<std::size_t>();
+    patches = level["patches"].get<std::size_t>();
+    EXPECT_EQ(open_sides(level["file"].get<std::string>()), 0u) << i;
+  }
+  EXPECT_LT(patches, 26u);
+  EXPECT_EQ(result["parts"][0]["edges_of_file"], 48);
+}
+
+TEST(CadBake, PutsPartsWhereTheirInstancesAre) {
+  const TempFolder folder;
+  const TopoDS_Shape screw = cad_screw();
+  write_step_assembly(folder / "assembly.step",
+                      {{cad_plate(2), "plate", {0, 0, 0}, {0.2, 0.3, 0.8}},
+                       {screw, "screw", {4, 4, 0}},
+                       {screw, "screw", {12, 4, 0}}},
+                      {screw});
+  const json result = json_of(run_recede(
+      {"bake", folder / "assembly.step", "-o", folder / "out", "--errors", "0.05", "0.5", "--json"}));
+  EXPECT_EQ(result["instances"], 3);
+  EXPECT_EQ(result["patches"], 22);
+  EXPECT_EQ(result["parts"].size(), 2u);
+  const json report = json::parse(read_whole_file(folder / "out/report.json"));
+  EXPECT_EQ(report["levels"][0]["patches"], 22);
+  const PolygonSoup level = read_soup(result["levels"][0]["file"].get<std::string>());
+  EXPECT_EQ(level.materials.size(), 2u);
+  EXPECT_EQ(level.corner_normals.size(), level.n_corners());
+}
+
+TEST(CadBake, RefusesWhatHasNoMeaningForCadFiles) {
+  const TempFolder folder;
+  const std::string box = write_rounded_box(folder), out = folder / "out";
+  EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--ratios", "0.5"}), 2),
+              HasSubstr("--ratios"));
+  EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--maps", "normal"}), 2), HasSubstr("--maps"));
+  EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--errors", "2", "1"}), 2),
+              HasSubstr("increase"));
+  folder.write("cut.step", read_whole_file(box).substr(0, 3000));
+  EXPECT_THAT(complaint_of(run_recede({"bake", folder / "cut.step", "-o", out}), 1), HasSubstr("cut.step"));
+  EXPECT_FALSE(fs::exists(out));
+}
+
+TEST(Seams, SayWhatMeetsAndWhatIsLeft) {
+  const TempFolder folder;
+  const std::string box = write_rounded_box(folder);
+  const json result = json_of(run_recede({"seams", box, "-o", folder / "seams.obj", "--json"}));
+  const json& part = result["parts"][0];
+  EXPECT_EQ(part["patches"], 26);
+  EXPECT_EQ(part["edges_of_file"], 48);
+  EXPECT_EQ(part["free_edges"], 0);
+  EXPECT_TRUE(part["gaps"].empty());
+  EXPECT_LT(part["levels"][0]["patches"].get<int>(), 26);
+  EXPECT_EQ(part["levels"].back()["patches"], 26);
+  const std::string lines = read_whole_file(folder / "seams.obj");
+  EXPECT_THAT(lines, AllOf(HasSubstr("\nl "), HasSubstr("\ng ")));
+  // The same without what the file knows.
+  const json by_position = json_of(run_recede({"seams", box, "--no-connectivity", "--json"}));
+  EXPECT_EQ(by_position["parts"][0]["edges_by_position"], 48);
+  EXPECT_EQ(by_position["parts"][0]["edges_of_file"], 0);
+}
+
+TEST(Seams, ListGapsByPlace) {
+  const TempFolder folder;
+  write_step(folder / "islands.step", cad_three_faces_at_an_edge());
+  const CommandResult run = run_recede({"seams", folder / "islands.step"});
+  EXPECT_THAT(run.output, HasSubstr("1 of three patches or more"));
+  EXPECT_THAT(complaint_of(run_recede({"seams", folder / "islands.step", "-o", "x.ply"}), 2),
+              HasSubstr(".obj"));
+  EXPECT_THAT(complaint_of(run_recede({"seams", folder / "islands.step", "--error", "0"}), 2),
+              HasSubstr("above 0"));
+}
+
+TEST(Walk, NeedsMoreTrianglesFromFrameToFrame) {
+  const TempFolder folder;
+  const json result = json_of(
+      run_recede({"walk", write_rounded_box(folder), "--frames", "12", "-o", folder / "walk.csv", "--json"}));
+  ASSERT_EQ(result["frames"].size(), 12u);
+  const json &first = result["frames"].front(), &last = result["frames"].back();
+  EXPECT_LT(first["triangles"].get<int>(), last["triangles"].get<int>());
+  EXPECT_LE(first["patches"].get<int>(), last["patches"].get<int>());
+  EXPECT_GT(first["tolerance"].get<double>(), last["tolerance"].get<double>());
+  // A convex solid shows less than it has.
+  EXPECT_GT(first["culled"].get<int>(), 0);
+  EXPECT_LE(result["largest_pixel_error"].get<double>(), 0.5 * (1 + 1e-9));
+  EXPECT_THAT(read_whole_file(folder / "walk.csv"), HasSubstr("frame,tolerance,triangles"));
+}
+
+void collect_fields(const json& value, std::set<std::string>& names) {
+  if (value.is_object()) {
+    for (const auto& [name, field] : value.items()) names.insert(name);
+  }
+  for (const auto& field : value) {
+    if (field.is_structured()) collect_fields(field, names);
+  }
+}
+
+TEST(CadBake, HasItsFieldsInTheDocumentation) {
+  const TempFolder folder;
+  const std::string box = write_rounded_box(folder);
+  std::set<std::string> fields;
+  collect_fields(json_of(run_recede({"bake", box, "-o", folder / "out", "--no-report", "--json"})), fields);
+  collect_fields(json_of(run_recede({"seams", box, "--json"})), fields);
+  collect_fields(json_of(run_recede({"walk", box, "--frames", "2", "--json"})), fields);
+  const std::string page = read_whole_file(fs::path(RECEDE_SOURCE) / "docs/command-line.md");
+  for (const std::string& field : fields) EXPECT_THAT(page, HasSubstr("`" + field + "`"));
+}
+
+}  // namespace
+}  // namespace recede::test
