@@ -1,12 +1,15 @@
+#include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/cad_hierarchy.h>
 #include <recede/lod/detail/switch_distances.h>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 namespace recede {
 
@@ -131,7 +134,7 @@ class CadLevels {
     report.seconds = seconds_since(start);
     level.simplify_seconds = report.seconds;
     level.stop_reason = soups_.empty() ? "" : "error reached";
-    if (soups_.empty()) measure_samples(level);
+    measure_samples(level);
     soups_.push_back(soup);
     level.mesh = repair_to_polygon_mesh(std::move(soup)).mesh;
     result_.hierarchy.levels.push_back(std::move(level));
@@ -150,24 +153,29 @@ class CadLevels {
     level.error.rms = area > 0 ? std::sqrt(squares / area) : 0;
   }
 
-  // Against level 0, whose own deviation is small beside the others'.
+  // What vanished has no triangles to measure it by, but level 0 has points on it.
   void measure() {
     const PolygonSoup& finest = soups_.front();
+    LodHierarchy& hierarchy = result_.hierarchy;
     Box3 box;
     for (const Vec3& point : finest.positions) box.extend(point);
-    LodHierarchy& hierarchy = result_.hierarchy;
     hierarchy.center = box.center();
     for (const Vec3& point : finest.positions)
       hierarchy.radius = std::max(hierarchy.radius, (point - hierarchy.center).norm());
-    if (soups_.size() < 2) return;
-    const DistanceMeter meter(finest);
     for (std::size_t i = 1; i < soups_.size(); ++i) {
       LodLevel& level = hierarchy.levels[i];
       if (soups_[i].n_faces() == 0) continue;
+      report_progress(progress_, fmt::format("level {}: measure", i), 0);
       const auto start = Clock::now();
-      const MeshDistance distance = meter.to(soups_[i], options_.measure, progress_);
-      level.error.max = distance.max;
-      level.error.rms = distance.rms;
+      const ClosestPointTree tree(soups_[i].positions, soups_[i].corner_vertices);
+      std::vector<double> squares(finest.positions.size());
+      tbb::parallel_for(std::size_t{0}, squares.size(), [&](std::size_t k) {
+        squares[k] = tree.closest(finest.positions[k]).squared_distance;
+      });
+      const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+      level.error.max =
+          std::max(level.error.max, std::sqrt(*std::max_element(squares.begin(), squares.end())));
+      level.error.rms = std::max(level.error.rms, std::sqrt(sum / static_cast<double>(squares.size())));
       level.measure_seconds = seconds_since(start);
     }
   }

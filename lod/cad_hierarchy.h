@@ -16,8 +16,6 @@ struct CadHierarchyOptions {
   ViewSettings view;
   double gap = 0;  ///< the widest that is sewn up, units of the model; 0: half of the first error
   bool use_connectivity = true;  ///< what the file knows of shared edges
-  /// Measurement of each level against level 0. Its bound is that of the triangulation.
-  DistanceOptions measure{.samples = 100'000, .bound_tolerance = {}};
 };
 
 /// How a level of the model came about, all instances of parts together.
@@ -39,8 +37,9 @@ struct CadSeamReport {
 };
 
 struct CadHierarchy {
-  /// Its errors are against the surfaces of the file: `bound` is proved, `max` and `rms` are measured against
-  /// level 0; those of level 0 itself are of samples of its triangles.
+  /// Its errors are against the surfaces of the file: `bound` is proved; `max` and `rms` are those of
+  /// samples, of triangles from the surface at their parameters and of points of level 0 from the triangles,
+  /// the larger of both.
   LodHierarchy hierarchy;
   std::vector<CadLevelReport> levels;
   std::vector<CadSeamReport> parts;

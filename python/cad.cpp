@@ -2,6 +2,7 @@
 #include "calls.h"
 #include "numpy_arrays.h"
 #include <recede/geometry/cad_import.h>
+#include <recede/lod/cad_hierarchy.h>
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -150,6 +151,30 @@ void bind_cad(py::module_& m) {
     return PythonProgress(std::move(progress)).run([&](Progress* p) {
       return std::make_shared<CadModel>(read_cad(path, {.repair = repair}, p));
     });
+  });
+  m.def("tessellate_cad", [](const std::shared_ptr<CadModel>& model, const std::vector<double>& errors, double gap,
+                             bool use_connectivity, py::object progress) {
+    CadHierarchyOptions options;
+    options.errors = errors;
+    options.gap = gap;
+    options.use_connectivity = use_connectivity;
+    const CadHierarchy cad = PythonProgress(std::move(progress)).run([&](Progress* p) {
+      return build_cad_hierarchy(*model, "model", options, p);
+    });
+    py::list levels;
+    for (std::size_t i = 0; i < cad.levels.size(); ++i) {
+      const LodLevel& level = cad.hierarchy.levels[i];
+      py::dict entry;
+      entry["mesh"] = make_mesh(to_soup(level.mesh));
+      entry["error_bound"] = level.error.bound;
+      entry["max"] = level.error.max;
+      entry["rms"] = level.error.rms;
+      entry["switch_distance"] = level.switch_distance;
+      entry["patches"] = cad.levels[i].patches;
+      entry["missed"] = cad.levels[i].missed;
+      levels.append(std::move(entry));
+    }
+    return levels;
   });
 }
 

@@ -63,3 +63,28 @@ def test_bad_files_raise_and_progress_stops(tmp_path):
         recede.read_cad(__file__)
     with pytest.raises(recede.Cancelled):
         recede.read_cad(CYLINDER, progress=lambda stage, fraction: False)
+
+
+def test_levels_are_closed_meshes_within_their_errors():
+    model = recede.read_cad(CYLINDER)
+    levels = recede.tessellate_cad(model, [0.01, 0.1, 0.5])
+    assert len(levels) == 3
+    for level, error in zip(levels, [0.01, 0.1, 0.5]):
+        assert 0 < level["error_bound"] <= error
+        assert level["max"] <= level["error_bound"] * (1 + 1e-9)
+        assert level["missed"] == []
+        sides = {}
+        for face in level["mesh"].faces:
+            for a, b in zip(face, np.roll(face, -1)):
+                sides[min(a, b), max(a, b)] = sides.get((min(a, b), max(a, b)), 0) + (1 if a < b else -1)
+        assert not any(sides.values())
+    counts = [len(level["mesh"].faces) for level in levels]
+    assert counts == sorted(counts, reverse=True)
+    # A tenth of the error needs about the root of ten times as many lines along a cylinder.
+    assert counts[0] > 2 * counts[1]
+
+
+def test_errors_of_levels_must_increase():
+    model = recede.read_cad(CYLINDER)
+    with pytest.raises(recede.OptionError, match="increase"):
+        recede.tessellate_cad(model, [0.1, 0.01])
