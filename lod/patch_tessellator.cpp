@@ -87,6 +87,23 @@ class PatchRefiner {
     for (const Vec2& uv : result_.uvs) points.push_back(uv.cwiseProduct(scale_));
     delaunay_.emplace(points, edges_);
     delaunay_->keep_inside(InsideRule::winding);
+    check_inside();
+  }
+
+  // Something is inside, to the left of its loops.
+  void check_inside() const {
+    bool is_empty = true;
+    for (const DelaunayTriangle& triangle : delaunay_->triangles()) {
+      if (!triangle.is_inside) continue;
+      is_empty = false;
+      for (int k = 0; k < 3; ++k) {
+        const Index across = triangle.neighbour(k);
+        const bool is_border = across == k_no_index || !delaunay_->is_inside(across);
+        if (is_border && triangle.turns[static_cast<std::size_t>(k)] < 0)
+          throw InputError("loops of a patch run the wrong way around it");
+      }
+    }
+    if (is_empty) throw InputError("loops of a patch go around nothing");
   }
 
   std::array<Vec2, 3> uvs_of(const DelaunayTriangle& triangle) const {
