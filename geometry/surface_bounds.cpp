@@ -63,8 +63,28 @@ NormalCone merged(const NormalCone& a, const NormalCone& b) {
   return {Eigen::AngleAxisd(angle - a.angle, side.normalized()) * a.axis, angle};
 }
 
-// A bound of how much the derivative along an axis changes from a patch to the next: with the same positions
-// and weights on both sides, only differences of nets matter.
+// The largest of a polynomial `a.xyz b.w - a.w b.xyz` of twice the degree, by its control points.
+double largest_cross(const std::vector<Vec4>& a, const std::vector<Vec4>& b) {
+  const std::size_t q = a.size() - 1;
+  std::vector<double> choose(2 * q + 1, 1.0), choose_one(q + 1, 1.0);  // binomial coefficients
+  for (std::size_t k = 1; k <= 2 * q; ++k)
+    choose[k] = choose[k - 1] * static_cast<double>(2 * q + 1 - k) / static_cast<double>(k);
+  for (std::size_t k = 1; k <= q; ++k)
+    choose_one[k] = choose_one[k - 1] * static_cast<double>(q + 1 - k) / static_cast<double>(k);
+  double largest = 0;
+  for (std::size_t k = 0; k <= 2 * q; ++k) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = k > q ? k - q : 0; i <= std::min(k, q); ++i)
+      sum +=
+          choose_one[i] * choose_one[k - i] * (b[k - i].w() * a[i].head<3>() - a[i].w() * b[k - i].head<3>());
+    largest = std::max(largest, sum.norm() / choose[k]);
+  }
+  return largest;
+}
+
+// A bound of how much the derivative along an axis changes from a patch to the next. Both have the same
+// points and weights b at the border, and derivatives of these that differ by a: what is left of the
+// quotients' difference is (a.xyz b.w - a.w b.xyz) / b.w^2, nothing around circles of several pieces.
 double jump_between(const BezierPatches& surface, std::size_t axis, const std::array<std::size_t, 2>& before,
                     const std::array<std::size_t, 2>& after) {
   const auto p = static_cast<std::size_t>(surface.degrees()[axis]);
@@ -77,24 +97,23 @@ double jump_between(const BezierPatches& surface, std::size_t axis, const std::a
   const auto number = [&](std::size_t along, std::size_t across) {
     return axis == 0 ? along * (q + 1) + across : across * (p + 1) + along;
   };
-  IntervalVec3 border;
+  std::vector<Vec4> border, jumps;
+  Box3 box;
   double least_weight = 1e300;
   for (std::size_t j = 0; j <= q; ++j) {
-    const Vec4& point = net_after[number(0, j)];
-    border.extend(point.head<3>() / point.w());
-    least_weight = std::min(least_weight, point.w());
+    border.push_back(net_after[number(0, j)]);
+    jumps.emplace_back(static_cast<double>(p) *
+                       ((net_after[number(1, j)] - net_after[number(0, j)]) / width_after -
+                        (net_before[number(p, j)] - net_before[number(p - 1, j)]) / width_before));
+    box.extend(Vec3(border.back().head<3>() / border.back().w()));
+    least_weight = std::min(least_weight, border.back().w());
   }
-  const Vec3 center = 0.5 * (border.lower + border.upper);
-  const double radius = 0.5 * (border.upper - border.lower).norm();
-  double largest = 0;
+  // Seen from the middle of the border, far from the origin too.
   for (std::size_t j = 0; j <= q; ++j) {
-    const Vec4 jump =
-        static_cast<double>(p) * ((net_after[number(1, j)] - net_after[number(0, j)]) / width_after -
-                                  (net_before[number(p, j)] - net_before[number(p - 1, j)]) / width_before);
-    const Vec3 moved = jump.head<3>() - jump.w() * center;
-    largest = std::max(largest, (moved.norm() + std::abs(jump.w()) * radius) / least_weight);
+    border[j].head<3>() -= border[j].w() * box.center();
+    jumps[j].head<3>() -= jumps[j].w() * box.center();
   }
-  return largest;
+  return largest_cross(jumps, border) / (least_weight * least_weight);
 }
 
 }  // namespace
@@ -163,9 +182,7 @@ class SurfaceBounds::Builder {
     const DerivativeEnclosure enclosure = enclose(piece);
     const DerivativeBounds lengths = in_domain(enclosure.lengths, piece.width(), piece.height());
     if (halvings_left > 0 && !is_near_enough(piece, lengths)) {
-      const double along_u = piece.width() * piece.width() * lengths.uu;
-      const double along_v = piece.height() * piece.height() * lengths.vv;
-      const std::size_t axis = along_u >= along_v ? 0 : 1;
+      const std::size_t axis = axis_to_halve(piece, lengths);
       const std::array<BezierNet, 2> parts = halves(piece, axis);
       const std::size_t child = add_children(node, axis, parts[1].part.min()[static_cast<int>(axis)]);
       build_piece(child, parts[0], halvings_left - 1);
@@ -190,6 +207,26 @@ class SurfaceBounds::Builder {
     leaf.jumps = {};
   }
 
+  // The one along which the surface bends more; but where that fades along the other, as toward a pole, it
+  // would be as bad for long triangles after any number of halves.
+  std::size_t axis_to_halve(const BezierNet& piece, const DerivativeBounds& lengths) const {
+    std::array<std::array<double, 4>, 2> bends;  // along u and v, at the corners, v fastest
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec2 share(i < 2 ? 0.01 : 0.99, i % 2 == 0 ? 0.01 : 0.99);
+      const SurfaceDerivatives there =
+          surface_.derivatives(piece.part.min() + share.cwiseProduct(piece.part.sizes()));
+      bends[0][i] = piece.width() * piece.width() * there.duu.norm();
+      bends[1][i] = piece.height() * piece.height() * there.dvv.norm();
+    }
+    const auto fades = [&](double a, double b) {
+      return std::max(a, b) > 8 * unimportant_ && std::min(a, b) < std::max(a, b) / 4;
+    };
+    const bool fades_along_v = fades(bends[0][0], bends[0][1]) && fades(bends[0][2], bends[0][3]);
+    const bool fades_along_u = fades(bends[1][0], bends[1][2]) && fades(bends[1][1], bends[1][3]);
+    if (fades_along_u != fades_along_v) return fades_along_v ? 1 : 0;
+    return piece.width() * piece.width() * lengths.uu >= piece.height() * piece.height() * lengths.vv ? 0 : 1;
+  }
+
   // Compares with the least deviation met at a few places, so that the bound is near everywhere.
   bool is_near_enough(const BezierNet& piece, const DerivativeBounds& lengths) const {
     const double bound = deviation_of(lengths, piece.width(), piece.height());
@@ -197,8 +234,8 @@ class SurfaceBounds::Builder {
     double least = bound;
     for (const Vec2& share :
          {Vec2(0.5, 0.5), Vec2(0.01, 0.01), Vec2(0.99, 0.01), Vec2(0.01, 0.99), Vec2(0.99, 0.99)}) {
-      const Vec2 uv = piece.part.min() + share.cwiseProduct(piece.part.sizes());
-      const SurfaceDerivatives there = surface_.derivatives(uv);
+      const SurfaceDerivatives there =
+          surface_.derivatives(piece.part.min() + share.cwiseProduct(piece.part.sizes()));
       least = std::min(least, deviation_of({0, 0, there.duu.norm(), there.duv.norm(), there.dvv.norm()},
                                            piece.width(), piece.height()));
     }

@@ -87,6 +87,23 @@ class PatchRefiner {
     for (const Vec2& uv : result_.uvs) points.push_back(uv.cwiseProduct(scale_));
     delaunay_.emplace(points, edges_);
     delaunay_->keep_inside(InsideRule::winding);
+    check_inside();
+  }
+
+  // Something is inside, to the left of its loops.
+  void check_inside() const {
+    bool is_empty = true;
+    for (const DelaunayTriangle& triangle : delaunay_->triangles()) {
+      if (!triangle.is_inside) continue;
+      is_empty = false;
+      for (int k = 0; k < 3; ++k) {
+        const Index across = triangle.neighbour(k);
+        const bool is_border = across == k_no_index || !delaunay_->is_inside(across);
+        if (is_border && triangle.turns[static_cast<std::size_t>(k)] < 0)
+          throw InputError("loops of a patch run the wrong way around it");
+      }
+    }
+    if (is_empty) throw InputError("loops of a patch go around nothing");
   }
 
   std::array<Vec2, 3> uvs_of(const DelaunayTriangle& triangle) const {
@@ -200,18 +217,62 @@ class PatchRefiner {
     return true;
   }
 
-  // The worst first, by powers of two; those of a power in the order in which they came.
   void refine() {
     const auto triangles = delaunay_->triangles();
     for (std::size_t t = 0; t < triangles.size(); ++t) check(static_cast<Index>(t));
+    split_waiting();
+    constexpr int k_most_rounds = 4;
+    for (int round = 0; round < k_most_rounds && split_inverted(); ++round) split_waiting();
+  }
+
+  // The worst first, by powers of two; those of a power in the order in which they came.
+  void split_waiting() {
     while (!waiting_.empty() && n_added() < options_.most_points) {
       const Waiting next = waiting_.top();
       waiting_.pop();
       const DelaunayTriangle triangle = delaunay_->triangles()[next.triangle];
       if (triangle.vertices != next.vertices || !triangle.is_inside) continue;
-      if (!split(next.triangle, triangle)) continue;  // as good as numbers allow
-      for (const Index changed : delaunay_->changed()) check(changed);
+      split_and_check(next.triangle, triangle);
     }
+  }
+
+  // Where it can't be split it is as good as numbers allow.
+  bool split_and_check(Index t, const DelaunayTriangle& triangle) {
+    if (!split(t, triangle)) return false;
+    for (const Index changed : delaunay_->changed()) check(changed);
+    return true;
+  }
+
+  // Slivers beside a pole can be turned over though they are within the tolerance. Those between points of
+  // loops alone are left to finer loops.
+  bool split_inverted() {
+    extend_normals();
+    bool has_split = false;
+    const std::size_t n = delaunay_->triangles().size();
+    for (std::size_t t = 0; t < n && n_added() < options_.most_points; ++t) {
+      const DelaunayTriangle triangle = delaunay_->triangles()[t];
+      const auto& points = triangle.vertices;
+      if (!triangle.is_inside ||
+          std::all_of(points.begin(), points.end(), [&](Index point) { return is_of_loop(point); }))
+        continue;
+      // Points of this round have no normals yet.
+      if (*std::max_element(points.begin(), points.end()) >= normals_.size() || !is_inverted(points))
+        continue;
+      has_split |= split_and_check(static_cast<Index>(t), triangle);
+    }
+    return has_split;
+  }
+
+  void extend_normals() {
+    while (normals_.size() < result_.uvs.size())
+      normals_.push_back(surface_normal(surface_.shape, result_.uvs[normals_.size()]));
+  }
+
+  bool is_inverted(const std::array<Index, 3>& points) const {
+    const Vec3& origin = result_.positions[points[0]];
+    const Vec3 normal = (result_.positions[points[1]] - origin).cross(result_.positions[points[2]] - origin);
+    return std::all_of(points.begin(), points.end(),
+                       [&](Index point) { return normals_[point].dot(normal) < 0; });
   }
 
   void check(Index t) {
@@ -302,14 +363,8 @@ class PatchRefiner {
   }
 
   void count_inverted() {
-    for (const auto& [a, b, c] : result_.triangles) {
-      const Vec3 normal =
-          (result_.positions[b] - result_.positions[a]).cross(result_.positions[c] - result_.positions[a]);
-      bool is_inverted = true;
-      for (const Index corner : {a, b, c})
-        is_inverted = is_inverted && surface_normal(surface_.shape, result_.uvs[corner]).dot(normal) < 0;
-      result_.inverted += is_inverted ? 1 : 0;
-    }
+    extend_normals();
+    for (const auto& triangle : result_.triangles) result_.inverted += is_inverted(triangle) ? 1 : 0;
   }
 
   struct Waiting {
@@ -331,6 +386,7 @@ class PatchRefiner {
   std::vector<Index> vertices_;  // of the graph, by point of loops
   std::vector<double> moves_;    // by sewing, by point of loops
   std::vector<double> widths_;   // of the strip up to the next point of a loop
+  std::vector<Vec3> normals_;    // of the surface, by point
   ParameterBox domain_;
   Vec2 scale_ = Vec2(1, 1);
   std::optional<ConstrainedDelaunay> delaunay_;

@@ -35,7 +35,7 @@ struct PatchTriangles {
 };
 
 /// Triangulates what loops of a patch enclose; `positions` are those of the graph. Throws `InputError` when
-/// loops cross one another or don't go around anything.
+/// loops cross one another, don't go around anything, or run around it clockwise.
 PatchTriangles triangulate_patch(std::span<const SeamLoop> loops, std::span<const Vec3> positions,
                                  const PatchSurface& surface, const PatchTessellationOptions& options);
 

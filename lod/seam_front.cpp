@@ -25,13 +25,15 @@ class SeamFront::Impl {
 
   template <typename Tolerance>
   FrontMoves adapt(Tolerance&& tolerance_of) {
-    return front_.adapt(*this, [&](Index split) {
-      const auto error = static_cast<double>(levels_.errors[split]);
-      for (const SlotChange& change : levels_.changes_of(split)) {
-        if (error > tolerance_of(patch_of_loop_[loops_.loop_of(change.slot())])) return true;
-      }
-      return false;
-    });
+    // A vertex can have splits of one patch that wait for earlier ones of others, which tolerate more.
+    is_wanted_.assign(levels_.n_splits(), 0);
+    for (std::size_t split = levels_.n_splits(); split-- > 0;) {
+      if (is_wanted_[split] == 0 && is_tolerated(split, tolerance_of)) continue;
+      is_wanted_[split] = 1;
+      const Index before = vertices_.preceding(static_cast<Index>(split));
+      if (before != k_no_index) is_wanted_[before] = 1;
+    }
+    return front_.adapt(*this, [&](Index split) { return is_wanted_[split] != 0; });
   }
 
   // What `VertexFront` asks of a graph.
@@ -108,6 +110,15 @@ class SeamFront::Impl {
   std::size_t n_patches() const { return graph_.n_patches(); }
 
  private:
+  template <typename Tolerance>
+  bool is_tolerated(std::size_t split, Tolerance&& tolerance_of) const {
+    const auto error = static_cast<double>(levels_.errors[split]);
+    for (const SlotChange& change : levels_.changes_of(split)) {
+      if (error > tolerance_of(patch_of_loop_[loops_.loop_of(change.slot())])) return false;
+    }
+    return true;
+  }
+
   void mark(Index split) {
     for (const SlotChange& change : levels_.changes_of(split))
       is_changed_[patch_of_loop_[loops_.loop_of(change.slot())]] = true;
@@ -137,6 +148,7 @@ class SeamFront::Impl {
   VertexFront front_;
   std::vector<Index> patch_of_loop_;
   std::vector<bool> is_changed_;
+  std::vector<unsigned char> is_wanted_;  // by split; kept for its memory
 };
 
 SeamFront::SeamFront(const SeamGraph& graph, const SeamHierarchy& hierarchy)

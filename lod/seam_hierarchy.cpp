@@ -303,9 +303,14 @@ class SeamCollapser {
     options.tolerance = std::max(k_guard_tolerance * size, 4 * graph_.tolerance);
     options.most_points = 2000;
     const std::vector<SeamLoop> loops = graph_.loops_of(patch);
-    const PatchTriangles triangles = triangulate_patch(loops, graph_.positions, surface, options);
     guards_[patch].emplace();
-    guards_[patch]->tolerance = triangles.error_bound;
+    PatchTriangles triangles;
+    try {
+      triangles = triangulate_patch(loops, graph_.positions, surface, options);
+      guards_[patch]->tolerance = triangles.error_bound;
+    } catch (const InputError&) {
+      guards_[patch]->tolerance = size;  // bad loops: what they go around is somewhere on the surface
+    }
     for (const auto& triangle : triangles.triangles) {
       for (const Index corner : triangle) guards_[patch]->corners.push_back(triangles.positions[corner]);
     }

@@ -98,7 +98,12 @@ class SeamTessellation::Impl {
       : model_(model),
         front_(model.graph, model.hierarchy),
         triangles_(model.graph.n_patches()),
-        made_for_(model.graph.n_patches(), 0.0) {}
+        made_for_(model.graph.n_patches(), 0.0) {
+    Box3 box;
+    for (const Vec3& point : model.graph.positions) box.extend(point);
+    for (const PatchSurface& surface : model.surfaces) box.extend(surface.bounds.box(surface.shape.domain()));
+    if (!box.isEmpty()) extent_ = box.diagonal().norm();
+  }
 
   SeamUpdate update(std::span<const double> tolerances) {
     if (tolerances.size() != triangles_.size()) throw OptionError("a tolerance is needed for each patch");
@@ -180,7 +185,8 @@ class SeamTessellation::Impl {
       triangles_[patch] = triangulate_patch(front_.loops_of(patch, model_.surfaces[patch]),
                                             model_.graph.positions, model_.surfaces[patch], options);
     } catch (const InputError&) {
-      triangles_[patch].reached_tolerance = false;  // loops that cross; finer ones may not
+      // Loops that cross; finer ones may not. What isn't there is within the model of what is.
+      triangles_[patch].error_bound = extent_;
     }
   }
 
@@ -199,6 +205,7 @@ class SeamTessellation::Impl {
   }
 
   std::vector<double> made_for_;  // by patch: the tolerance of its triangles
+  double extent_ = 0;             // of all that the model could reach
 };
 
 SampledDeviation SeamTessellation::Impl::sampled_deviation() const {

@@ -37,9 +37,10 @@ struct SeamUpdate {
   std::size_t tessellated = 0;  ///< patches triangulated anew
   std::size_t tightened =
       0;  ///< patches that needed finer seams than their tolerance: triangles turned over there
-  std::size_t inverted = 0;    ///< triangles that are still turned over
-  double error_bound = 0;      ///< of all patches, the largest, with what vanished
-  std::vector<Index> refused;  ///< patches that couldn't be triangulated within their tolerance
+  std::size_t inverted = 0;  ///< triangles that are still turned over
+  double error_bound = 0;    ///< of all patches, the largest, with what vanished
+  /// Patches that couldn't be triangulated within their tolerance; those whose loops cross have no triangles.
+  std::vector<Index> refused;
 };
 
 /// How far samples of triangles, three on the sides and one within each, are from the surface at their

@@ -10,8 +10,9 @@ namespace {
 constexpr int k_most_levels = 3;
 
 // The largest deviation at the points that divide the sides of a triangle by `n`, those of `n` / 2 left out.
+// All of them: where only some are measured, nothing is known of the rest.
 double largest_at(const PatchSurface& surface, const std::array<Vec2, 3>& uvs,
-                  const std::array<Vec3, 3>& corners, int n, double enough) {
+                  const std::array<Vec3, 3>& corners, int n) {
   double largest = 0;
   for (int i = 0; i <= n; ++i) {
     for (int j = 0; i + j <= n; ++j) {
@@ -20,7 +21,6 @@ double largest_at(const PatchSurface& surface, const std::array<Vec2, 3>& uvs,
       const Vec2 uv = a * uvs[0] + b * uvs[1] + c * uvs[2];
       const Vec3 on_triangle = a * corners[0] + b * corners[1] + c * corners[2];
       largest = std::max(largest, (surface.shape.evaluate(uv) - on_triangle).norm());
-      if (largest > enough) return largest;
     }
   }
   return largest;
@@ -35,7 +35,7 @@ std::array<Vec3, 3> corners_of(const PatchSurface& surface, const std::array<Vec
 double measured_deviation(const PatchSurface& surface, const std::array<Vec2, 3>& uvs) {
   const std::array<Vec3, 3> corners = corners_of(surface, uvs);
   double largest = 0;
-  for (const int n : {2, 4}) largest = std::max(largest, largest_at(surface, uvs, corners, n, INFINITY));
+  for (const int n : {2, 4}) largest = std::max(largest, largest_at(surface, uvs, corners, n));
   return largest;
 }
 
@@ -48,7 +48,7 @@ double triangle_deviation(const PatchSurface& surface, const std::array<Vec2, 3>
   const std::array<Vec3, 3> corners = corners_of(surface, uvs);
   double measured = 0, bend = whole.bend, kink = whole.kink;
   for (int level = 1; level <= k_most_levels; ++level) {
-    measured = std::max(measured, largest_at(surface, uvs, corners, 1 << level, enough));
+    measured = std::max(measured, largest_at(surface, uvs, corners, 1 << level));
     bend /= 4;
     kink /= 2;
     // Over the small triangles the difference of both triangles is linear, and largest at a corner.
