@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace recede::bench {
 namespace {
@@ -33,7 +34,8 @@ std::string name_of(const detail::CadBody& body, std::size_t face) {
 }
 
 /// Patches follow faces in order: one each, none where a face was left out, several where it was mended.
-std::vector<std::size_t> match_faces(const detail::CadBody& body, const CadPart& part) {
+/// Nothing when the part isn't that of the body.
+std::optional<std::vector<std::size_t>> match_faces(const detail::CadBody& body, const CadPart& part) {
   std::vector<std::size_t> faces;
   if (part.patches.size() == body.faces.size()) {
     for (std::size_t i = 0; i < part.patches.size(); ++i) faces.push_back(i);
@@ -44,7 +46,7 @@ std::vector<std::size_t> match_faces(const detail::CadBody& body, const CadPart&
     const bool is_next = face < body.faces.size() && name_of(body, face) == patch.name && !faces.empty();
     if (!is_next) face = faces.empty() ? 0 : faces.back() + 1;
     while (face < body.faces.size() && name_of(body, face) != patch.name) ++face;
-    if (face == body.faces.size()) throw InputError("a patch has no face: " + patch.name);
+    if (face >= body.faces.size()) return std::nullopt;
     faces.push_back(face);
   }
   return faces;
@@ -80,14 +82,14 @@ CadSubject load_file(const std::string& name, const fs::path& file) {
   const detail::CadAssembly assembly = detail::list_bodies(document, file.stem().string());
   std::size_t part = 0;
   for (const detail::CadBody& body : assembly.bodies) {
-    // Parts without a patch are dropped by the import.
     if (part == subject.model.parts.size()) break;
-    if (subject.model.parts[part].name != body.name) continue;
+    auto matched = match_faces(body, subject.model.parts[part]);
+    if (!matched || subject.model.parts[part].name != body.name) continue;  // dropped by the import
     CadBench& made = subject.bodies.emplace_back();
     made.shape = body.shape;
     made.part = part;
     for (const detail::CadFace& face : body.faces) made.faces.push_back(face.face);
-    made.face_of_patch = match_faces(body, subject.model.parts[part]);
+    made.face_of_patch = std::move(*matched);
     // Files may hold triangles.
     BRepTools::Clean(made.shape);
     ++part;
