@@ -1,6 +1,9 @@
 // recede_bench: simplification measured, ours beside the peers, on the same inputs in one run.
 #include "appearance_run.h"
 #include "bench_report.h"
+#ifdef RECEDE_BENCH_CAD
+#include "cad_run.h"
+#endif
 #include "dicing_run.h"
 #include "displaced_run.h"
 #include "hard_case_run.h"
@@ -23,6 +26,7 @@ int main(int argc, char** argv) {
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
   bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false, displaced = false,
        dicing = false, appearance = false;
+  [[maybe_unused]] bool cad = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
@@ -34,6 +38,9 @@ int main(int argc, char** argv) {
                "instead, progressive meshes of every model in the folder, into files and back");
   app.add_flag("--dicing", dicing, "instead, displaced surfaces diced for views");
   app.add_flag("--appearance", appearance, "instead, reliefs from afar beside rays that meet them");
+#ifdef RECEDE_BENCH_CAD
+  app.add_flag("--cad", cad, "instead, triangles of CAD models beside those of OpenCASCADE's BRepMesh");
+#endif
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
   app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
@@ -60,6 +67,12 @@ int main(int argc, char** argv) {
       fmt::print("{}", recede::bench::appearance_tables(options));
       return 0;
     }
+#ifdef RECEDE_BENCH_CAD
+    if (cad) {
+      fmt::print("{}", recede::bench::cad_tables(options));
+      return 0;
+    }
+#endif
     if (same_bytes) {
       fmt::print("{}", recede::bench::same_bytes_table(options.data.parent_path()));
       return 0;

@@ -42,13 +42,15 @@ double parameter_at(const EdgeUse& use, double share) {
 
 // The same, but a knot where one is meant, so that no piece ends beside its knot.
 double parameter_or_knot_at(const EdgeUse& use, double share) {
-  const double t = parameter_at(use, share), near = 2 * k_same_share * use.range.length();
+  const double t = parameter_at(use, share), near = 1.001 * k_same_share * use.range.length();
   const auto knot = std::lower_bound(use.curve->knots.begin(), use.curve->knots.end(), t - near);
   return knot != use.curve->knots.end() && *knot <= t + near && use.range.contains(*knot) ? *knot : t;
 }
 
 CurveNet net_between(const EdgeUse& use, double from, double to) {
   ParameterRange range{parameter_or_knot_at(use, from), parameter_or_knot_at(use, to)};
+  // Of knots that two uses have a little apart, one may be near to both ends.
+  if (range.begin == range.end) range = {parameter_at(use, from), parameter_at(use, to)};
   if (use.runs_against) std::swap(range.begin, range.end);
   const NurbsCurve2 piece = part(*use.curve, range);
   CurveNet net;

@@ -46,6 +46,21 @@ TEST(SeamGraph, OfABoxHasEightPointsAndTwelveSeams) {
   for (const float width : graph.widths) EXPECT_LT(width, 1e-14f);
 }
 
+TEST(SeamGraph, CutsAnEdgeWhereKnotsOfItsCurvesAreAlmostInOnePlace) {
+  std::vector<TrimmedPatch> patches{whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),
+                                    whole(parallelogram({1, 0, 0}, {1, 0, 0}, {0, 1, 0}))};
+  TrimmingCurve &right = patches[0].loops[0].curves[1], &left = patches[1].loops[0].curves[3];
+  right.edge = left.edge = 7;
+  left.runs_against = true;
+  // More than rounding apart, which makes them two places, and less than twice that.
+  const double knot = 0.5 + 1.3e-9;
+  right.curve = {1, {0, 0, 0.5, 1, 1}, {{1, 0}, {1, 0.5}, {1, 1}}, {}};
+  left.curve = {1, {0, 0, 1 - knot, 1, 1}, {{0, 1}, {0, knot}, {0, 0}}, {}};
+  const SeamGraph graph = graph_of(patches);
+  EXPECT_EQ(graph.report.edges_of_file, 1u);
+  EXPECT_EQ(graph.positions.size(), 8u) << "the six corners and both knots";
+}
+
 TEST(SeamGraph, TakesSharedEdgesFromTheFile) {
   // Two squares side by side, a tenth apart: only the file knows that they belong together.
   std::vector<TrimmedPatch> patches{whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),

@@ -1,0 +1,192 @@
+#include "cad_search.h"
+#include "cad_timer.h"
+#include "child_process.h"
+#include "measurement.h"
+#include <recede/lod/seam_model.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace recede::bench {
+namespace {
+
+/// Long runs aren't repeated.
+constexpr double k_repeat_seconds = 20;
+
+struct Prepared {
+  std::vector<SeamModel> models;  // of the bodies
+};
+
+SeamGraphOptions graph_options(double deflection) { return {.tolerance = k_seam_share * deflection}; }
+
+Prepared prepare(const CadSubject& subject, double deflection) {
+  Prepared prepared;
+  for (const CadBench& body : subject.bodies)
+    prepared.models.push_back(build_seam_model(subject.model.parts[body.part], graph_options(deflection)));
+  return prepared;
+}
+
+using Tessellations = std::vector<SeamTessellation>;
+
+struct Updates {
+  double bound = 0;
+  std::size_t refused = 0, vanished = 0;
+};
+
+Updates update(Tessellations& tessellations, double deflection) {
+  Updates result;
+  for (SeamTessellation& tessellation : tessellations) {
+    const SeamUpdate update = tessellation.update(deflection);
+    result.bound = std::max(result.bound, update.error_bound);
+    result.refused += update.refused.size();
+    result.vanished += tessellation.model().graph.n_patches() - update.patches;
+  }
+  return result;
+}
+
+std::vector<CadBodyMesh> meshes_of(const CadSubject& subject, const Tessellations& tessellations) {
+  std::vector<CadBodyMesh> meshes;
+  for (std::size_t b = 0; b < tessellations.size(); ++b) {
+    CadBodyMesh& mesh = meshes.emplace_back();
+    for (std::size_t patch = 0; patch < subject.bodies[b].face_of_patch.size(); ++patch) {
+      const PatchTriangles& triangles = tessellations[b].triangles_of(patch);
+      mesh.faces.push_back(
+          {subject.bodies[b].face_of_patch[patch], triangles.uvs, triangles.positions, triangles.triangles});
+    }
+  }
+  return meshes;
+}
+
+CadJudgement judge_ours(const CadSubject& subject, const Tessellations& tessellations,
+                        const CadJudgeOptions& options, const Updates& updates) {
+  CadJudgement result = judge(subject, meshes_of(subject, tessellations), options);
+  // Those that vanish are within the deflection of what is left.
+  result.faces_missing -= std::min(result.faces_missing, updates.vanished);
+  return result;
+}
+
+/// Medians of both clocks.
+struct Clocks {
+  std::vector<double> cpu, wall;
+  void add(const CadTimer& timer) {
+    cpu.push_back(timer.cpu());
+    wall.push_back(timer.wall());
+  }
+  CadSeconds medians() const { return {median(cpu), median(wall)}; }
+};
+
+/// What the first two steps of preparation take; the rest is the third.
+void split_preparation(const CadSubject& subject, const CadRunOptions& options, const CadSeconds& all,
+                       CadFigures& figures) {
+  for (const CadBench& body : subject.bodies) {
+    const CadPart& part = subject.model.parts[body.part];
+    const CadTimer surfaces_timer;
+    const std::vector<PatchSurface> surfaces = prepare_surfaces(part.patches);
+    figures.surfaces.cpu += surfaces_timer.cpu();
+    figures.surfaces.wall += surfaces_timer.wall();
+    const CadTimer seams_timer;
+    build_seam_graph(part.patches, surfaces, graph_options(options.deflection));
+    figures.seams.cpu += seams_timer.cpu();
+    figures.seams.wall += seams_timer.wall();
+  }
+  figures.collapses = {std::max(0.0, all.cpu - figures.surfaces.cpu - figures.seams.cpu),
+                       std::max(0.0, all.wall - figures.surfaces.wall - figures.seams.wall)};
+}
+
+CadEqual find_equal_recede(const CadSubject& subject, const CadRunOptions& options,
+                           const CadJudgement& first) {
+  return find_equal(options.deflection, first, [&](double setting) {
+    const Prepared prepared = prepare(subject, setting);
+    Tessellations tessellations;
+    for (const SeamModel& model : prepared.models) tessellations.emplace_back(model);
+    const Updates updates = update(tessellations, setting);
+    return judge_ours(subject, tessellations,
+                      {.deflection = options.deflection, .samples = k_search_samples, .of_patches = true},
+                      updates);
+  });
+}
+
+CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& options) {
+  CadFigures figures;
+  const std::size_t resident = resident_bytes();
+  forget_peak();
+  const CadTimer all;
+  Clocks preparation, triangulation, total;
+  Prepared prepared;
+  Tessellations tessellations;
+  Updates updates;
+  for (std::size_t run = 0; run < options.repeats; ++run) {
+    if (run > 0 && all.wall() > k_repeat_seconds) break;
+    tessellations.clear();
+    prepared = {};
+    const CadTimer run_timer;
+    prepared = prepare(subject, options.deflection);
+    preparation.add(run_timer);
+    const CadTimer timer;
+    for (const SeamModel& model : prepared.models) tessellations.emplace_back(model);
+    updates = update(tessellations, options.deflection);
+    triangulation.add(timer);
+    total.add(run_timer);
+    if (run == 0) figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
+  }
+  figures.total = total.medians();
+  figures.triangulation = triangulation.medians();
+  split_preparation(subject, options, preparation.medians(), figures);
+  figures.bound = updates.bound;
+  figures.refused = updates.refused;
+  figures.vanished = updates.vanished;
+  figures.judgement =
+      judge_ours(subject, tessellations, {.deflection = options.deflection, .of_patches = true}, updates);
+  if (options.equal) figures.equal = find_equal_recede(subject, options, figures.judgement);
+  return figures;
+}
+
+CadLevels measure_levels(const CadSubject& subject, double deflection) {
+  constexpr double k_finer = 1.0 / 20;
+  const Prepared prepared = prepare(subject, k_finer * deflection);
+  CadLevels levels;
+  Tessellations tessellations;
+  for (const SeamModel& model : prepared.models) {
+    SeamTessellation& tessellation = tessellations.emplace_back(model);
+    tessellation.update(deflection);
+  }
+  for (const CadBodyMesh& mesh : meshes_of(subject, tessellations))
+    levels.even += count_open_edges(mesh, subject.diagonal);
+  for (SeamTessellation& tessellation : tessellations) {
+    std::vector<double> tolerances(tessellation.model().graph.n_patches(), deflection);
+    for (std::size_t patch = 1; patch < tolerances.size(); patch += 2) tolerances[patch] *= k_finer;
+    levels.triangles += tessellation.update(tolerances).triangles;
+  }
+  for (const CadBodyMesh& mesh : meshes_of(subject, tessellations))
+    levels.odd_finer += count_open_edges(mesh, subject.diagonal);
+  return levels;
+}
+
+}  // namespace
+
+CadAnswer run_recede(const CadSubject& subject, const CadRunOptions& options) {
+  const ChildAnswer answer = run_in_child(
+      [&] {
+        std::string bytes;
+        put(bytes, measure_recede(subject, options));
+        return bytes;
+      },
+      options.seconds_allowed);
+  if (!answer.succeeded) return {{}, answer.failure};
+  return {ByteReader(answer.bytes).take<CadFigures>(), {}};
+}
+
+CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection) {
+  const ChildAnswer answer = run_in_child(
+      [&] {
+        std::string bytes;
+        put(bytes, measure_levels(subject, deflection));
+        return bytes;
+      },
+      CadRunOptions{}.seconds_allowed);
+  if (!answer.succeeded) return {{}, answer.failure};
+  return {ByteReader(answer.bytes).take<CadLevels>(), {}};
+}
+
+}  // namespace recede::bench

@@ -1,0 +1,19 @@
+// Levels of detail of CAD models measured: Recede's triangles beside those of OpenCASCADE's BRepMesh.
+#pragma once
+
+#include "bench_run.h"
+
+#include <string>
+
+namespace recede::bench {
+
+/// Measures the models that `options.models` finds; files are looked for in the folder `cad` beside the data.
+/// Both sides get the same shapes, the same distances and two threads each, and are judged by the same
+/// samples of the file's surfaces. Writes cad.md and cad.json into `options.out` and gives the former.
+std::string cad_tables(const BenchOptions& options);
+
+/// What the Seam Graph saves from large to tiny, and what it costs: memory and time of many patches. Part of
+/// the former, for models that find `scale`.
+std::string cad_scale_tables(const BenchOptions& options);
+
+}  // namespace recede::bench
