@@ -57,6 +57,7 @@ std::string cad_tables(const BenchOptions& options) {
     fmt::print(stderr, "{} is done\n", source.name);
   }
   std::string text = cad_report(rows, levels);
+  if (is_wanted("scale", options.models)) text += cad_scale_tables(options);
   text += fmt::format("Processes that wanted to run, mean of a minute: {:.1f} before, {:.1f} after.\n\n",
                       load_before, load());
   std::filesystem::create_directories(options.out);

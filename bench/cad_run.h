@@ -12,7 +12,8 @@ namespace recede::bench {
 /// samples of the file's surfaces. Writes cad.md and cad.json into `options.out` and gives the former.
 std::string cad_tables(const BenchOptions& options);
 
-/// What the Seam Graph saves from large to tiny, and what it costs: memory and time of many patches.
+/// What the Seam Graph saves from large to tiny, and what it costs: memory and time of many patches. Part of
+/// the former, for models that find `scale`.
 std::string cad_scale_tables(const BenchOptions& options);
 
 }  // namespace recede::bench

@@ -16,6 +16,9 @@ template <typename Mesh>
 CadEqual find_equal(double deflection, const CadJudgement& first, Mesh&& mesh) {
   constexpr int k_runs = 6;
   constexpr double k_near_enough = 0.97, k_most_change = 4, k_over = 1 + 1e-6, k_flat = 1e-3;
+  // Beyond, nothing is found in reasonable time.
+  constexpr double k_least_setting = 0.02;
+  constexpr std::size_t k_most_growth = 20;
   CadEqual best;
   if (!(first.deviation > k_flat * deflection)) return best;
   double setting = deflection;
@@ -36,6 +39,8 @@ CadEqual find_equal(double deflection, const CadJudgement& first, Mesh&& mesh) {
     double next = setting * factor;
     if (within > 0 && beyond > within && !(next > within && next < beyond)) next = std::sqrt(within * beyond);
     setting = next;
+    if (setting < k_least_setting * deflection || here.triangles > k_most_growth * first.triangles)
+      return best;
     here = mesh(setting);
   }
 }
