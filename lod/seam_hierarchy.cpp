@@ -286,8 +286,9 @@ class SeamCollapser {
     for (std::size_t i = 0; i < corners.size(); i += 3) {
       double least = std::numeric_limits<double>::infinity();
       for (const Index w : segments_) {
+        if (least <= largest) break;  // nothing larger will come of it
         double most = 0;
-        for (std::size_t k = i; k < i + 3; ++k)
+        for (std::size_t k = i; k < i + 3 && most < least; ++k)
           most = std::max(most, distance_to_segment(corners[k], position(kept), position(w)));
         least = std::min(least, most);
       }
