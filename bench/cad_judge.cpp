@@ -2,10 +2,13 @@
 
 #include <recede/geometry/bezier_patches.h>
 
+#include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <ElSLib.hxx>
+#include <GeomAPI_ProjectPointOnSurf.hxx>
 #include <GeomAdaptor_Surface.hxx>
 #include <ShapeAnalysis_Surface.hxx>
+#include <Standard_Failure.hxx>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -18,7 +21,7 @@ namespace {
 
 constexpr double k_same_point = 1e-9;    // of the diagonal
 constexpr double k_over = 1 + 1e-6;      // times the deflection; for rounding
-constexpr double k_same_surface = 1e-6;  // of the diagonal; offset surfaces are imported within 1e-7
+constexpr double k_same_surface = 2e-7;  // of the diagonal; offset surfaces are imported within 1e-7
 
 Vec3 to_vec(const gp_XYZ& xyz) { return {xyz.X(), xyz.Y(), xyz.Z()}; }
 
@@ -29,6 +32,7 @@ class FileSurface {
       : surface_(BRep_Tool::Surface(face)), adaptor_(surface_), diagonal_(diagonal) {
     if (patch == nullptr) return;
     patch_.emplace(*patch);
+    BRepTools::UVBounds(face, range_[0].begin, range_[0].end, range_[1].begin, range_[1].end);
     nearest_ = new ShapeAnalysis_Surface(surface_);
   }
 
@@ -60,8 +64,22 @@ class FileSurface {
       place = {found.X(), found.Y()};
       gap = gap_at(place, point);
     }
+    if (gap > k_same_surface * diagonal_) gap = search(point, gap, place);
     largest_gap_ = std::max(largest_gap_, gap);
     return place;
+  }
+
+  /// Among all foot points: the quick search may end at another one.
+  double search(const Vec3& point, double gap, Vec2& place) const {
+    try {
+      const GeomAPI_ProjectPointOnSurf feet({point.x(), point.y(), point.z()}, surface_, range_[0].begin,
+                                            range_[0].end, range_[1].begin, range_[1].end);
+      if (feet.NbPoints() == 0 || feet.LowerDistance() >= gap) return gap;
+      feet.LowerDistanceParameters(place[0], place[1]);
+      return feet.LowerDistance();
+    } catch (const Standard_Failure&) {
+      return gap;
+    }
   }
 
   double gap_at(const Vec2& place, const Vec3& point) const {
@@ -93,6 +111,7 @@ class FileSurface {
   GeomAdaptor_Surface adaptor_;
   Handle(ShapeAnalysis_Surface) nearest_;
   std::optional<BezierPatches> patch_;
+  std::array<ParameterRange, 2> range_;
   double diagonal_;
   double largest_gap_ = 0;
 };

@@ -31,7 +31,7 @@ using Tessellations = std::vector<SeamTessellation>;
 
 struct Updates {
   double bound = 0;
-  std::size_t refused = 0, vanished = 0;
+  std::size_t refused = 0, vanished = 0, missing = 0;
 };
 
 Updates update(Tessellations& tessellations, double deflection) {
@@ -40,7 +40,13 @@ Updates update(Tessellations& tessellations, double deflection) {
     const SeamUpdate update = tessellation.update(deflection);
     result.bound = std::max(result.bound, update.error_bound);
     result.refused += update.refused.size();
-    result.vanished += tessellation.model().graph.n_patches() - update.patches;
+    // Patches may vanish, or become so narrow that nothing is left of them, within the deflection.
+    for (std::size_t patch = 0; patch < tessellation.model().graph.n_patches(); ++patch) {
+      if (!tessellation.triangles_of(patch).triangles.empty()) continue;
+      const bool is_refused =
+          std::find(update.refused.begin(), update.refused.end(), patch) != update.refused.end();
+      ++(is_refused ? result.missing : result.vanished);
+    }
   }
   return result;
 }
@@ -61,8 +67,7 @@ std::vector<CadBodyMesh> meshes_of(const CadSubject& subject, const Tessellation
 CadJudgement judge_ours(const CadSubject& subject, const Tessellations& tessellations,
                         const CadJudgeOptions& options, const Updates& updates) {
   CadJudgement result = judge(subject, meshes_of(subject, tessellations), options);
-  // Those that vanish are within the deflection of what is left.
-  result.faces_missing -= std::min(result.faces_missing, updates.vanished);
+  result.faces_missing = updates.missing;
   return result;
 }
 
