@@ -152,8 +152,8 @@ void bind_cad(py::module_& m) {
       return std::make_shared<CadModel>(read_cad(path, {.repair = repair}, p));
     });
   });
-  m.def("tessellate_cad", [](const std::shared_ptr<CadModel>& model, const std::vector<double>& errors, double gap,
-                             bool use_connectivity, py::object progress) {
+  m.def("tessellate_cad", [](const std::shared_ptr<CadModel>& model, const std::vector<double>& errors,
+                             double gap, bool use_connectivity, py::object progress) {
     CadHierarchyOptions options;
     options.errors = errors;
     options.gap = gap;
