@@ -14,25 +14,39 @@ using CurveNet = std::vector<Vec3>;
 
 Vec2 projected(const Vec3& point) { return point.head<2>() / point.z(); }
 
-constexpr double k_same_share = 1e-9;  // knots of two uses that mean the same place differ by rounding
+constexpr double k_same_share = 1e-9;  // knots that mean the same place differ by rounding
 
-// Where knots of any use lie, as shares of the edge from 0 to 1.
-std::vector<double> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
-  std::vector<double> breaks;
-  for (int i = 0; i <= least_pieces; ++i) breaks.push_back(static_cast<double>(i) / least_pieces);
+// Of the edge, for a parameter of a use.
+double share_of(const EdgeUse& use, double t) {
+  const double share = (t - use.range.begin) / use.range.length();
+  return use.runs_against ? 1 - share : share;
+}
+
+// A place of the edge: shares of it at which uses have knots that mean the same.
+struct Break {
+  double first, last;
+};
+
+// Where knots of any use lie, with both ends of the edge, and as many as make `least_pieces` at least.
+std::vector<Break> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
+  std::vector<double> shares;
+  for (int i = 0; i <= least_pieces; ++i) shares.push_back(static_cast<double>(i) / least_pieces);
   for (const EdgeUse& use : uses) {
     for (const double knot : use.curve->knots) {
-      const double share = (knot - use.range.begin) / use.range.length();
-      if (share > 0 && share < 1) breaks.push_back(use.runs_against ? 1 - share : share);
+      const double share = share_of(use, knot);
+      if (share > 0 && share < 1) shares.push_back(share);
     }
   }
-  std::sort(breaks.begin(), breaks.end());
-  std::vector<double> distinct{0};
-  for (const double share : breaks) {
-    if (share > distinct.back() + k_same_share && share < 1 - k_same_share) distinct.push_back(share);
+  std::sort(shares.begin(), shares.end());
+  std::vector<Break> breaks;
+  for (const double share : shares) {
+    if (breaks.empty() || share > breaks.back().last + k_same_share) {
+      breaks.push_back({share, share});
+    } else {
+      breaks.back().last = share;
+    }
   }
-  distinct.push_back(1);
-  return distinct;
+  return breaks;
 }
 
 double parameter_at(const EdgeUse& use, double share) {
@@ -40,19 +54,28 @@ double parameter_at(const EdgeUse& use, double share) {
   return share >= 1 ? use.range.end : use.range.begin + share * use.range.length();
 }
 
-// The same, but a knot where one is meant, so that no piece ends beside its knot.
-double parameter_or_knot_at(const EdgeUse& use, double share) {
-  const double t = parameter_at(use, share), near = 1.001 * k_same_share * use.range.length();
-  const auto knot = std::lower_bound(use.curve->knots.begin(), use.curve->knots.end(), t - near);
-  return knot != use.curve->knots.end() && *knot <= t + near && use.range.contains(*knot) ? *knot : t;
+// The parameter at a place, where a piece starts there or ends: of its last knot or its first, so that none
+// lies within the piece.
+double parameter_at(const EdgeUse& use, const Break& place, bool is_start) {
+  const std::vector<double>& knots = use.curve->knots;
+  const double margin = (place.last - place.first + k_same_share) * use.range.length();
+  const double middle = parameter_at(use, place.first);
+  double best = is_start ? -1 : 2, result = middle;
+  for (auto knot = std::lower_bound(knots.begin(), knots.end(), middle - margin);
+       knot != knots.end() && *knot <= middle + margin; ++knot) {
+    const double share = share_of(use, *knot);
+    if (share < place.first || share > place.last) continue;
+    if (is_start ? share > best : share < best) {
+      best = share;
+      result = *knot;
+    }
+  }
+  return result;
 }
 
 CurveNet net_between(const EdgeUse& use, double from, double to) {
-  ParameterRange range{parameter_or_knot_at(use, from), parameter_or_knot_at(use, to)};
-  // Of knots that two uses have a little apart, one may be near to both ends.
-  if (range.begin == range.end) range = {parameter_at(use, from), parameter_at(use, to)};
-  if (use.runs_against) std::swap(range.begin, range.end);
-  const NurbsCurve2 piece = part(*use.curve, range);
+  const NurbsCurve2 piece =
+      part(*use.curve, use.runs_against ? ParameterRange{to, from} : ParameterRange{from, to});
   CurveNet net;
   for (std::size_t i = 0; i < piece.points.size(); ++i) {
     const double weight = piece.is_rational() ? piece.weights[i] : 1.0;
@@ -77,17 +100,19 @@ class EdgeSampler {
       : uses_(uses), tolerance_(tolerance), result_(uses.size()) {}
 
   std::vector<SampledUse> run(int least_pieces) {
-    const std::vector<double> breaks = breaks_of(uses_, least_pieces);
+    const std::vector<Break> breaks = breaks_of(uses_, least_pieces);
+    for (std::size_t k = 0; k < uses_.size(); ++k) {
+      result_[k].parameters.push_back(parameter_at(uses_[k], 0));
+      result_[k].uvs.push_back(evaluate(*uses_[k].curve, result_[k].parameters[0]));
+    }
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
       std::vector<CurveNet> nets;
-      for (const EdgeUse& use : uses_) nets.push_back(net_between(use, breaks[i], breaks[i + 1]));
-      if (i == 0) {
-        for (std::size_t k = 0; k < uses_.size(); ++k) {
-          result_[k].parameters.push_back(parameter_at(uses_[k], 0));
-          result_[k].uvs.push_back(projected(nets[k].front()));
-        }
+      for (const EdgeUse& use : uses_) {
+        nets.push_back(
+            net_between(use, parameter_at(use, breaks[i], true), parameter_at(use, breaks[i + 1], false)));
       }
-      add(nets, {breaks[i], breaks[i + 1]}, k_most_halvings);
+      const double end = i + 2 < breaks.size() ? breaks[i + 1].first : 1;
+      add(nets, {i > 0 ? breaks[i].first : 0, end}, k_most_halvings);
     }
     return std::move(result_);
   }
@@ -135,7 +160,8 @@ SampledUse sampled_at(const EdgeUse& use, std::span<const double> shares) {
     result.uvs.push_back(evaluate(*use.curve, result.parameters.back()));
     if (i == 0) continue;
     std::vector<Vec2> points;
-    for (const Vec3& point : net_between(use, shares[i - 1], shares[i])) points.push_back(projected(point));
+    for (const Vec3& point : net_between(use, result.parameters[i - 1], result.parameters[i]))
+      points.push_back(projected(point));
     result.widths.push_back(strip_width(use.surface->bounds, points, result.uvs[i - 1], result.uvs[i]));
   }
   return result;
@@ -187,15 +213,11 @@ std::vector<SampledUse> sample_matched_edge(std::span<const EdgeUse> uses, doubl
   for (const EdgeUse& use : uses) lines.push_back(polyline_of(use, k_for_shifts * tolerance, least_pieces));
   // Places on the first use, in its direction, as shares of it.
   const EdgeUse& leader = uses.front();
-  const auto share_on = [&](std::size_t k, double t) {
-    const double share = (t - uses[k].range.begin) / uses[k].range.length();
-    return uses[k].runs_against ? 1 - share : share;
-  };
   std::vector<double> places;
   for (std::size_t k = 0; k < uses.size(); ++k) {
     for (std::size_t i = 1; i + 1 < lines[k].points.size(); ++i) {
       const double t = k == 0 ? lines[0].parameters[i] : foot_on(lines[0], lines[k].points[i]).parameter;
-      places.push_back(share_on(0, t));
+      places.push_back(share_of(leader, t));
     }
   }
   std::sort(places.begin(), places.end());
@@ -209,7 +231,7 @@ std::vector<SampledUse> sample_matched_edge(std::span<const EdgeUse> uses, doubl
     bool moves_on = place > shares[0].back();
     for (std::size_t k = 1; k < uses.size() && moves_on; ++k) {
       const double t = nearest_parameter(uses[k], foot_on(lines[k], point).parameter, point);
-      here[k] = share_on(k, t);
+      here[k] = share_of(uses[k], t);
       constexpr double k_least_step = 1e-9;
       moves_on = here[k] > shares[k].back() + k_least_step && here[k] < 1 - k_least_step;
     }

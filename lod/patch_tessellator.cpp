@@ -99,6 +99,7 @@ class PatchRefiner {
       seed();
       refine();
     }
+    if (!has_area()) add_any_point();
     collect();
     return std::move(result_);
   }
@@ -214,6 +215,23 @@ class PatchRefiner {
     return std::any_of(triangles.begin(), triangles.end(), [&](const DelaunayTriangle& triangle) {
       return triangle.is_inside && !is_good(triangle);
     });
+  }
+
+  // A ball between its poles has none without a point within, however little it matters.
+  bool has_area() const {
+    const auto triangles = delaunay_->triangles();
+    return std::any_of(triangles.begin(), triangles.end(), [&](const DelaunayTriangle& triangle) {
+      return triangle.is_inside && !is_flat(triangle);
+    });
+  }
+
+  void add_any_point() {
+    const std::size_t n = delaunay_->triangles().size();
+    for (std::size_t t = 0; t < n && n_added() < options_.most_points; ++t) {
+      const DelaunayTriangle triangle = delaunay_->triangles()[t];
+      if (triangle.is_inside && split_and_check(static_cast<Index>(t), triangle)) break;
+    }
+    split_waiting();
   }
 
   // Points on lattices that are as wide as the tolerance allows, where they aren't near loops.
@@ -343,8 +361,11 @@ class PatchRefiner {
   bool is_inverted(const std::array<Index, 3>& points) const {
     const Vec3& origin = result_.positions[points[0]];
     const Vec3 normal = (result_.positions[points[1]] - origin).cross(result_.positions[points[2]] - origin);
-    return std::all_of(points.begin(), points.end(),
-                       [&](Index point) { return normals_[point].dot(normal) < 0; });
+    // Triangles between points of a plane that the surface stands upright on point neither way.
+    constexpr double k_least_sine = 1e-6;
+    return std::all_of(points.begin(), points.end(), [&](Index point) {
+      return normals_[point].dot(normal) < -k_least_sine * normal.norm();
+    });
   }
 
   void check(Index t) {

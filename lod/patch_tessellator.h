@@ -30,7 +30,8 @@ struct PatchTriangles {
   /// these from the trimmed surface.
   double error_bound = 0;
   bool reached_tolerance = false;
-  /// Triangles whose normal points away from that of the surface at all of their corners.
+  /// Triangles whose normal points away from that of the surface at all of their corners, by more than a
+  /// millionth of a right angle's sine.
   std::size_t inverted = 0;
 };
 

@@ -51,6 +51,17 @@ class SeamCollapser {
 
   SeamHierarchy run(Progress* progress) {
     for (std::size_t v = 0; v < graph_.positions.size(); ++v) queue(static_cast<Index>(v));
+    work_off(progress);
+    for (std::size_t n_records = 0; n_records < records_.size();) {
+      n_records = records_.size();
+      queue_refused();
+      work_off(progress);
+    }
+    return finished();
+  }
+
+ private:
+  void work_off(Progress* progress) {
     while (!heap_.empty()) {
       const Candidate next = heap_.top();
       heap_.pop();
@@ -64,10 +75,18 @@ class SeamCollapser {
         queue(next.removed);
       }
     }
-    return finished();
   }
 
- private:
+  // What was in the way may have gone.
+  void queue_refused() {
+    for (std::size_t v = 0; v < refused_.size(); ++v) queue_if_refused(static_cast<Index>(v));
+  }
+  void queue_if_refused(Index vertex) {
+    if (refused_[vertex].empty()) return;
+    refused_[vertex].clear();
+    queue(vertex);
+  }
+
   struct Chord {       // from a slot to the next
     double error = 0;  // strip beside it, and the surface's distance along it
     ParameterBox box;
@@ -451,6 +470,13 @@ class SeamCollapser {
       refused_[vertex].clear();
       queue(vertex);
     }
+    each_lost_loop(first, [&](Index loop) {
+      const Index patch = patch_of_loop_[loop];
+      for (Index slot = graph_.loop_offsets[graph_.patch_loops[patch]];
+           slot < graph_.loop_offsets[graph_.patch_loops[patch + 1]]; ++slot) {
+        if (loops_.is_active(slot)) queue_if_refused(loops_.vertex(slot));
+      }
+    });
   }
 
   SeamHierarchy finished() const {

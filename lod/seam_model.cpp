@@ -112,18 +112,25 @@ class SeamTessellation::Impl {
     }
     SeamUpdate result;
     std::vector<double> seams(tolerances.begin(), tolerances.end());  // what seams may reach, by patch
+    std::vector<double> inside = seams;                               // and triangles
     std::vector<unsigned char> is_tightened(seams.size(), 0);
     constexpr int k_most_rounds = 24;
     for (int round = 0; round < k_most_rounds; ++round) {
       add(front_.adapt(seams), result.moves);
-      const std::vector<Index> anew = patches_to_make(tolerances);
+      const std::vector<Index> anew = patches_to_make(inside);
       result.tessellated += anew.size();
-      tbb::parallel_for(std::size_t{0}, anew.size(),
-                        [&](std::size_t i) { make(anew[i], tolerances[anew[i]]); });
+      tbb::parallel_for(std::size_t{0}, anew.size(), [&](std::size_t i) { make(anew[i], inside[anew[i]]); });
       bool is_done = true;
       for (std::size_t patch = 0; patch < seams.size(); ++patch) {
-        if (front_.has_vanished(patch) || is_good(patch) || seams[patch] < least_error()) continue;
-        seams[patch] /= 2;
+        if (front_.has_vanished(patch) || is_good(patch)) continue;
+        // Finer seams as long as there are, then somewhat finer triangles where some are turned over.
+        constexpr double k_finest_inside = 1.0 / 16;
+        const bool has_finer_seams = seams[patch] >= least_error();
+        if (!has_finer_seams &&
+            (!triangles_[patch].reached_tolerance || inside[patch] <= k_finest_inside * tolerances[patch]))
+          continue;
+        double& tightened = has_finer_seams ? seams[patch] : inside[patch];
+        tightened /= 2;
         is_tightened[patch] = 1;
         is_done = false;
       }
@@ -156,7 +163,7 @@ class SeamTessellation::Impl {
     sum.merges += moves.merges;
   }
 
-  // At the finest level no split is left to be made.
+  // Below it no split is left to be made.
   double least_error() const {
     return model_.hierarchy.errors.empty() ? 0.0 : static_cast<double>(model_.hierarchy.errors.back());
   }

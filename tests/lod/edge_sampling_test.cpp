@@ -28,7 +28,7 @@ double distance_to_chord(const Vec3& p, const Vec3& a, const Vec3& b) {
 }
 
 // Promises of `SampledUse`: ends, order and matching lists.
-void expect_well_formed(const EdgeUse& use, const SampledUse& sampled) {
+void expect_well_formed(const EdgeUse& use, const SampledUse& sampled, double apart = 1e-12) {
   ASSERT_GE(sampled.parameters.size(), 2u);
   ASSERT_EQ(sampled.uvs.size(), sampled.parameters.size());
   ASSERT_EQ(sampled.widths.size() + 1, sampled.parameters.size());
@@ -36,7 +36,8 @@ void expect_well_formed(const EdgeUse& use, const SampledUse& sampled) {
   EXPECT_EQ(sampled.parameters.back(), use.runs_against ? use.range.begin : use.range.end);
   for (std::size_t i = 0; i < sampled.parameters.size(); ++i) {
     // 1e-12: uvs come from halving nets, not from the parameter; both are good to some ulps of about ten.
-    EXPECT_LT((evaluate(*use.curve, sampled.parameters[i]) - sampled.uvs[i]).norm(), 1e-12);
+    // Knots that mean the same place make it more.
+    EXPECT_LT((evaluate(*use.curve, sampled.parameters[i]) - sampled.uvs[i]).norm(), apart);
     if (i == 0) continue;
     const double step = sampled.parameters[i] - sampled.parameters[i - 1];
     EXPECT_GT(use.runs_against ? -step : step, 0);
@@ -65,8 +66,8 @@ void expect_within(const EdgeUse& use, const SampledUse& sampled, double toleran
         spacing = std::max(spacing, (on_strip_end - last).norm());
         last = on_strip_end;
       }
-      // Between places of the chord nothing is looked at.
-      EXPECT_LE(nearest, sampled.widths[i] + spacing);
+      // Between places of the chord nothing is looked at; 1e-14 for rounding where all is one point.
+      EXPECT_LE(nearest, sampled.widths[i] + spacing + 1e-14);
       EXPECT_LE((use.surface->shape.evaluate(a + share * (b - a)) - (from + share * (to - from))).norm(),
                 tolerance * (1 + 1e-9));
     }
@@ -153,6 +154,29 @@ TEST(EdgeSampling, HasAPointAtEachKnotOfEachUse) {
   EXPECT_EQ(sampled[1].parameters[1], 0.7);
   EXPECT_NEAR(sampled[0].parameters[2], 0.8, 1e-15);
   EXPECT_NEAR(sampled[1].parameters[2], 0.2, 1e-15);
+}
+
+// As files have them whose curves were put together from pieces: the second knot is beside the first.
+TEST(EdgeSampling, HoldsKnotsThatAreBesideOneAnother) {
+  const PatchSurface plane(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  for (const double apart : {1e-15, 1e-12, 0.9e-9, 1.3e-9, 1.9e-9, 2.1e-9, 1e-8}) {
+    NurbsCurve2 curve{2, {0, 0, 0, 0.5, 0.5, 0.5 + apart, 0.5 + apart, 1, 1, 1}, {}, {}};
+    curve.points = {{0, 0}, {0.25, 0.2}, {0.5, 0.2}, {0.5, 0.2}, {0.5, 0.2}, {0.75, 0.2}, {1, 0}};
+    const NurbsCurve2 back = reversed(curve);
+    // And one with a knot in between.
+    NurbsCurve2 other = curve;
+    other.knots[5] = other.knots[6] = 0.5 + apart / 2;
+    const std::vector<EdgeUse> uses{{&plane, &curve, curve.domain(), false},
+                                    {&plane, &back, back.domain(), true},
+                                    {&plane, &other, other.domain(), false}};
+    for (const double tolerance : {0.5, 1e-2, 1e-4}) {
+      const auto sampled = sample_edge(uses, tolerance, 1);
+      for (std::size_t k = 0; k < uses.size(); ++k) {
+        expect_well_formed(uses[k], sampled[k], 1e-8);
+        expect_within(uses[k], sampled[k], tolerance);
+      }
+    }
+  }
 }
 
 // A curve against the bend of a tube, and the same one drawn on the plane that touches nothing: both get the

@@ -28,9 +28,11 @@ struct Tessellated {
 
 Tessellated tessellate(const TrimmedPatch& patch, double tolerance, std::size_t most_points = 4'000'000) {
   Tessellated result{patch, PatchSurface(patch.surface), {}, {}, {}};
+  const double size = result.surface.bounds.box(result.surface.shape.domain()).diagonal().norm();
   SeamGraphOptions options;
-  // Half of it, as seam models do.
-  options.tolerance = tolerance / 2;
+  // Half of it, as seam models do; more would make points of whole shapes.
+  options.tolerance = std::min(tolerance / 2, 0.1 * size);
+  options.gap = 1e-9 * tolerance;  // poles of small balls stay apart
   result.graph = build_seam_graph({&patch, 1}, {&result.surface, 1}, options);
   result.loops = result.graph.loops_of(0);
   PatchTessellationOptions of_patch;
@@ -127,7 +129,8 @@ std::size_t count_inverted(const Tessellated& tested) {
     bool is_inverted = true;
     for (const Index corner : {a, b, c})
       is_inverted =
-          is_inverted && surface_normal(tested.surface.shape, tested.triangles.uvs[corner]).dot(normal) < 0;
+          is_inverted && surface_normal(tested.surface.shape, tested.triangles.uvs[corner]).dot(normal) <
+                             -1e-6 * normal.norm();
     inverted += is_inverted ? 1 : 0;
   }
   return inverted;
@@ -204,6 +207,13 @@ TEST(PatchTessellator, ReachesItsToleranceOnBallsWhereSidesArePoles) {
     expect_good(ball, tolerance, 13);
     EXPECT_TRUE(test::open_sides(ball.loops).empty());
   }
+}
+
+// Without a point within, all triangles of a ball that may be coarse lie between its poles.
+TEST(PatchTessellator, LeavesSomethingOfABallThatIsSmallerThanItsTolerance) {
+  const Tessellated ball = tessellate(whole(test::ball(1)), 5);
+  EXPECT_GT(ball.triangles.triangles.size(), 0u);
+  expect_good(ball, 5, 21);
 }
 
 TEST(PatchTessellator, ReachesItsToleranceOnSheetsWithHoles) {
