@@ -14,7 +14,7 @@ namespace {
 constexpr double k_wide_angle = 3;       // radians
 constexpr double k_equal_share = 1e-3;   // where triangles of equal deviation are looked for
 constexpr double k_levels_share = 1e-2;  // of the coarser faces
-constexpr const char* k_drawn_model = "rounded box";
+constexpr const char* k_drawn_model = "bored sphere";
 
 CadRow measure_row(const CadSubject& subject, double share, std::size_t repeats, bool is_large) {
   CadRow row{subject.name, subject.n_faces(), share, share * subject.diagonal, {}, {}, {}};
