@@ -230,6 +230,23 @@ class Welder {
 
 }  // namespace
 
+PolygonSoup soup_of(const CadSubject& subject, const std::vector<CadBodyMesh>& meshes) {
+  PolygonSoup soup;
+  for (std::size_t b = 0; b < meshes.size(); ++b) {
+    for (const CadFaceMesh& face : meshes[b].faces) {
+      const auto first = static_cast<Index>(soup.positions.size());
+      const bool is_reversed = subject.bodies[b].faces[face.face].Orientation() == TopAbs_REVERSED;
+      soup.positions.insert(soup.positions.end(), face.positions.begin(), face.positions.end());
+      for (std::array<Index, 3> triangle : face.triangles) {
+        if (is_reversed) std::swap(triangle[1], triangle[2]);
+        for (Index& corner : triangle) corner += first;
+        soup.add_face(triangle);
+      }
+    }
+  }
+  return soup;
+}
+
 std::size_t count_open_edges(const CadBodyMesh& mesh, double diagonal) {
   Welder welder(k_same_point * diagonal);
   std::vector<std::array<Index, 2>> sides;

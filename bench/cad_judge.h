@@ -45,6 +45,9 @@ struct CadJudgeOptions {
 CadJudgement judge(const CadSubject& subject, const std::vector<CadBodyMesh>& meshes,
                    const CadJudgeOptions& options);
 
+/// Triangles of all faces as they are, each face with points of its own.
+PolygonSoup soup_of(const CadSubject& subject, const std::vector<CadBodyMesh>& meshes);
+
 /// Sides of one triangle alone after points within 1e-9 of the diagonal are one.
 std::size_t count_open_edges(const CadBodyMesh& mesh, double diagonal);
 

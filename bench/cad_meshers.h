@@ -58,7 +58,10 @@ struct CadLevelsAnswer {
   std::optional<CadLevels> levels;
   std::string failure;
 };
-CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection);
-CadLevelsAnswer run_brep_mesh_levels(const CadSubject& subject, double deflection);
+/// With a `mesh`, writes the triangles of the latter there.
+CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection,
+                                  const std::filesystem::path& mesh = {});
+CadLevelsAnswer run_brep_mesh_levels(const CadSubject& subject, double deflection,
+                                     const std::filesystem::path& mesh = {});
 
 }  // namespace recede::bench

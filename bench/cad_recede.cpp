@@ -2,6 +2,7 @@
 #include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include <recede/geometry/mesh_io.h>
 #include <recede/lod/seam_model.h>
 
 #include <algorithm>
@@ -147,7 +148,7 @@ CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& option
   return figures;
 }
 
-CadLevels measure_levels(const CadSubject& subject, double deflection) {
+CadLevels measure_levels(const CadSubject& subject, double deflection, const std::filesystem::path& file) {
   constexpr double k_finer = 1.0 / 20;
   const Prepared prepared = prepare(subject, k_finer * deflection);
   CadLevels levels;
@@ -163,8 +164,9 @@ CadLevels measure_levels(const CadSubject& subject, double deflection) {
     for (std::size_t patch = 1; patch < tolerances.size(); patch += 2) tolerances[patch] *= k_finer;
     levels.triangles += tessellation.update(tolerances).triangles;
   }
-  for (const CadBodyMesh& mesh : meshes_of(subject, tessellations))
-    levels.odd_finer += count_open_edges(mesh, subject.diagonal);
+  const std::vector<CadBodyMesh> meshes = meshes_of(subject, tessellations);
+  for (const CadBodyMesh& mesh : meshes) levels.odd_finer += count_open_edges(mesh, subject.diagonal);
+  if (!file.empty()) write_soup(file, soup_of(subject, meshes));
   return levels;
 }
 
@@ -182,11 +184,12 @@ CadAnswer run_recede(const CadSubject& subject, const CadRunOptions& options) {
   return {ByteReader(answer.bytes).take<CadFigures>(), {}};
 }
 
-CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection) {
+CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection,
+                                  const std::filesystem::path& mesh) {
   const ChildAnswer answer = run_in_child(
       [&] {
         std::string bytes;
-        put(bytes, measure_levels(subject, deflection));
+        put(bytes, measure_levels(subject, deflection, mesh));
         return bytes;
       },
       CadRunOptions{}.seconds_allowed);

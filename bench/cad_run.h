@@ -9,7 +9,8 @@ namespace recede::bench {
 
 /// Measures the models that `options.models` finds; files are looked for in the folder `cad` beside the data.
 /// Both sides get the same shapes, the same distances and two threads each, and are judged by the same
-/// samples of the file's surfaces. Writes cad.md and cad.json into `options.out` and gives the former.
+/// samples of the file's surfaces. Writes cad.md and cad.json into `options.out` and gives the former; also
+/// cad-recede.ply and cad-brep-mesh.ply, a model whose faces have two deflections.
 std::string cad_tables(const BenchOptions& options);
 
 /// What the Seam Graph saves from large to tiny, and what it costs: memory and time of many patches. Part of

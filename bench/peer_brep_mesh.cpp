@@ -4,6 +4,7 @@
 #include "child_process.h"
 #include "measurement.h"
 #include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
 
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
@@ -106,7 +107,7 @@ CadFigures measure_brep_mesh(const CadSubject& subject, const CadRunOptions& opt
   return figures;
 }
 
-CadLevels measure_levels(const CadSubject& subject, double deflection) {
+CadLevels measure_levels(const CadSubject& subject, double deflection, const std::filesystem::path& file) {
   constexpr double k_finer = 1.0 / 20, k_angle = 0.5;
   const test::Silence silence;
   CadLevels levels;
@@ -120,7 +121,9 @@ CadLevels measure_levels(const CadSubject& subject, double deflection) {
       builder.Add(every_second, body.faces[face]);
     const BRepMesh_IncrementalMesh mesher(every_second, parameters(k_finer * deflection, k_angle));
   }
-  for (const CadBodyMesh& made : meshes_of(subject)) {
+  const std::vector<CadBodyMesh> meshes = meshes_of(subject);
+  if (!file.empty()) write_soup(file, soup_of(subject, meshes));
+  for (const CadBodyMesh& made : meshes) {
     levels.odd_finer += count_open_edges(made, subject.diagonal);
     for (const CadFaceMesh& face : made.faces) levels.triangles += face.triangles.size();
   }
@@ -152,9 +155,10 @@ CadAnswer run_brep_mesh(const CadSubject& subject, const CadRunOptions& options)
   return {ByteReader(answer.bytes).take<CadFigures>(), {}};
 }
 
-CadLevelsAnswer run_brep_mesh_levels(const CadSubject& subject, double deflection) {
+CadLevelsAnswer run_brep_mesh_levels(const CadSubject& subject, double deflection,
+                                     const std::filesystem::path& mesh) {
   const ChildAnswer answer =
-      in_child(CadRunOptions{}.seconds_allowed, [&] { return measure_levels(subject, deflection); });
+      in_child(CadRunOptions{}.seconds_allowed, [&] { return measure_levels(subject, deflection, mesh); });
   if (!answer.succeeded) return {{}, answer.failure};
   return {ByteReader(answer.bytes).take<CadLevels>(), {}};
 }
