@@ -133,8 +133,21 @@ class PatchRefiner {
     return detail::triangle_deviation(surface_, uvs_of(triangle), std::max(enough, 0.0));
   }
 
+  // What refinement aims at. Where strips, moves or a side of a loop leave less, no point within would ever
+  // do: as near as helps the rest.
+  double aim(const DelaunayTriangle& triangle) const {
+    constexpr double k_least_share = 0.25, k_near_side = 1.25;
+    double result = std::max(allowance(triangle), k_least_share * options_.tolerance);
+    for (int k = 0; k < 3; ++k) {
+      if (!triangle.is_constrained(k)) continue;
+      const Vec2 &from = result_.uvs[triangle.from(k)], &to = result_.uvs[triangle.to(k)];
+      result = std::max(result, k_near_side * surface_.bounds.deviation(from, to, result / k_near_side));
+    }
+    return result;
+  }
+
   bool is_good(const DelaunayTriangle& triangle) const {
-    const double allowed = allowance(triangle);
+    const double allowed = aim(triangle);
     return deviation(triangle, allowed) <= allowed;
   }
 
@@ -299,9 +312,9 @@ class PatchRefiner {
   void check(Index t) {
     const DelaunayTriangle& triangle = delaunay_->triangles()[t];
     if (!triangle.is_inside) return;
-    const double allowed = allowance(triangle), reached = deviation(triangle, allowed);
+    const double allowed = aim(triangle), reached = deviation(triangle, allowed);
     if (reached <= allowed) return;
-    const double excess = allowed > 0 ? std::min(reached / allowed, 1e300) : 1e300;
+    const double excess = std::min(reached / allowed, 1e300);
     waiting_.push({std::ilogb(excess), n_checked_++, t, triangle.vertices});
   }
 
