@@ -322,6 +322,7 @@ class PatchRefiner {
   bool split(Index t, const DelaunayTriangle& triangle) {
     std::array<Vec2, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = delaunay_->point(triangle.vertices[k]);
+    if (is_needle(corners)) return false;
     const Vec2 center = circumcenter(corners);
     if (center.allFinite()) {
       const TriangleLocation place = delaunay_->locate(center, t);
@@ -331,6 +332,14 @@ class PatchRefiner {
       }
     }
     return add(beside_longest(triangle, corners), t);
+  }
+
+  // So flat that points within it are no help, as beside a border that is too coarse.
+  static bool is_needle(const std::array<Vec2, 3>& corners) {
+    constexpr double k_least_height = 1e-9;  // of its length
+    const Vec2 a = corners[1] - corners[0], b = corners[2] - corners[0];
+    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
+    return a.x() * b.y() - a.y() * b.x() < k_least_height * longest;
   }
 
   static Vec2 circumcenter(const std::array<Vec2, 3>& corners) {
