@@ -28,12 +28,17 @@ double deviation_of(const DerivativeBounds& bounds, double width, double height)
 double half_squared_radius(const std::array<Vec2, 3>& sides, double twice_area, const Vec3& second,
                            double width, double height) {
   if (!(width > 0 && height > 0)) return deviation_of({0, 0, second[0], second[1], second[2]}, width, height);
-  const double of_u = second[0] + second[1] * height / width, of_v = second[2] + second[1] * width / height;
+  // Shares of the box, without a quotient of its sides, which may be as far apart as numbers are.
   std::array<double, 3> squares;
-  for (std::size_t i = 0; i < 3; ++i)
-    squares[i] = of_u * sides[i].x() * sides[i].x() + of_v * sides[i].y() * sides[i].y();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = sides[i].x(), y = sides[i].y();
+    squares[i] = second[0] * x * x + second[1] * (height * x * (x / width) + width * y * (y / height)) +
+                 second[2] * y * y;
+  }
   std::sort(squares.begin(), squares.end());
-  const double squared_area = of_u * of_v * twice_area * twice_area;  // 4 times the square, in the metric
+  // 4 times the square of the area in the metric.
+  const double of_sides = (second[0] * width + second[1] * height) * (second[2] * height + second[1] * width);
+  const double squared_area = of_sides * (twice_area / width / height) * twice_area;
   if (squares[2] >= squares[0] + squares[1] || !(squared_area > 0)) return squares[2] / 8;
   return squares[0] * squares[1] * squares[2] / (8 * squared_area);
 }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <queue>
 
@@ -46,51 +45,11 @@ Vec2 metric_of(const BezierPatches& surface, const ParameterBox& part) {
   return {power_of_two_near(scale.x()), power_of_two_near(scale.y())};
 }
 
-// A side of a surface's domain that is one point in space: all control points are.
-struct Pole {
-  int axis;  // along which it is at a border
-  double at;
-};
-
-bool is_pole(const BezierPatches& surface, std::size_t axis, bool is_end) {
-  constexpr double k_same = 1e-12;  // of the coordinates
-  const std::size_t across = 1 - axis;
-  const auto degree = static_cast<std::size_t>(surface.degrees()[axis]),
-             other = static_cast<std::size_t>(surface.degrees()[across]);
-  Box3 box;
-  double largest = 0;
-  for (std::size_t patch = 0; patch < surface.n_patches(across); ++patch) {
-    const std::size_t border = is_end ? surface.n_patches(axis) - 1 : 0;
-    const std::vector<Vec4> net = axis == 0 ? surface.net(border, patch) : surface.net(patch, border);
-    for (std::size_t i = 0; i <= other; ++i) {
-      const std::size_t row = is_end ? degree : 0;
-      const Vec4& point = net[axis == 0 ? row * (other + 1) + i : i * (degree + 1) + row];
-      box.extend(Vec3(point.head<3>() / point.w()));
-    }
-    for (const Vec4& point : net) largest = std::max(largest, (point.head<3>() / point.w()).norm());
-  }
-  return box.diagonal().norm() <= k_same * largest;
-}
-
-std::vector<Pole> poles_of(const BezierPatches& surface) {
-  std::vector<Pole> poles;
-  for (const int axis : {0, 1}) {
-    const ParameterBox domain = surface.domain();
-    if (is_pole(surface, static_cast<std::size_t>(axis), false)) poles.push_back({axis, domain.min()[axis]});
-    if (is_pole(surface, static_cast<std::size_t>(axis), true)) poles.push_back({axis, domain.max()[axis]});
-  }
-  return poles;
-}
-
 class PatchRefiner {
  public:
   PatchRefiner(std::span<const SeamLoop> loops, std::span<const Vec3> positions, const PatchSurface& surface,
                const PatchTessellationOptions& options)
-      : loops_(loops),
-        positions_(positions),
-        surface_(surface),
-        options_(options),
-        poles_(poles_of(surface.shape)) {}
+      : loops_(loops), positions_(positions), surface_(surface), options_(options) {}
 
   PatchTriangles run() {
     take_loops();
@@ -171,42 +130,24 @@ class PatchRefiner {
   }
 
   double deviation(const DelaunayTriangle& triangle, double enough) const {
-    const double reached = detail::triangle_deviation(surface_, uvs_of(triangle), std::max(enough, 0.0));
-    return reached <= enough ? reached : std::min(reached, reach_from_poles(triangle));
+    return detail::triangle_deviation(surface_, uvs_of(triangle), std::max(enough, 0.0));
   }
 
-  // All of the surface beside a pole is near to it, however wide a triangle is in parameters: what bounds by
-  // second derivatives can't tell, for these reach over more than the triangle.
-  double reach_from_poles(const DelaunayTriangle& triangle) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Pole& pole : poles_) {
-      ParameterBox part;
-      for (const Vec2& uv : uvs_of(triangle)) part.extend(uv);
-      const bool is_corner = part.min()[pole.axis] == pole.at || part.max()[pole.axis] == pole.at;
-      Vec2 beside = part.min();
-      beside[pole.axis] = pole.at;
-      part.extend(beside);
-      const DerivativeBounds bounds = surface_.bounds.derivatives(part);
-      const double reach = (pole.axis == 0 ? bounds.u : bounds.v) * part.sizes()[pole.axis];
-      // Without the pole as a corner, points of the triangle are as far from it.
-      least = std::min(least, is_corner ? reach : 2 * reach);
-    }
-    return least;
-  }
-
-  // The side of a triangle that is one point in space; -1: none.
-  int pole_side(const DelaunayTriangle& triangle) const {
+  // What refinement aims at. Where strips, moves or a side of a loop leave less, no point within would ever
+  // do: as near as helps the rest.
+  double aim(const DelaunayTriangle& triangle) const {
+    constexpr double k_least_share = 0.25, k_near_side = 1.25;
+    double result = std::max(allowance(triangle), k_least_share * options_.tolerance);
     for (int k = 0; k < 3; ++k) {
-      const Vec2 &a = result_.uvs[triangle.from(k)], &b = result_.uvs[triangle.to(k)];
-      for (const Pole& pole : poles_) {
-        if (a[pole.axis] == pole.at && b[pole.axis] == pole.at) return k;
-      }
+      if (!triangle.is_constrained(k)) continue;
+      const Vec2 &from = result_.uvs[triangle.from(k)], &to = result_.uvs[triangle.to(k)];
+      result = std::max(result, k_near_side * surface_.bounds.deviation(from, to, result / k_near_side));
     }
-    return -1;
+    return result;
   }
 
   bool is_good(const DelaunayTriangle& triangle) const {
-    const double allowed = allowance(triangle);
+    const double allowed = aim(triangle);
     return deviation(triangle, allowed) <= allowed;
   }
 
@@ -371,9 +312,9 @@ class PatchRefiner {
   void check(Index t) {
     const DelaunayTriangle& triangle = delaunay_->triangles()[t];
     if (!triangle.is_inside) return;
-    const double allowed = allowance(triangle), reached = deviation(triangle, allowed);
+    const double allowed = aim(triangle), reached = deviation(triangle, allowed);
     if (reached <= allowed) return;
-    const double excess = allowed > 0 ? std::min(reached / allowed, 1e300) : 1e300;
+    const double excess = std::min(reached / allowed, 1e300);
     waiting_.push({std::ilogb(excess), n_checked_++, t, triangle.vertices});
   }
 
@@ -381,8 +322,7 @@ class PatchRefiner {
   bool split(Index t, const DelaunayTriangle& triangle) {
     std::array<Vec2, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) corners[k] = delaunay_->point(triangle.vertices[k]);
-    if (const int side = pole_side(triangle); side >= 0)
-      return add(beside_pole(triangle, corners[static_cast<std::size_t>(side)], side), t);
+    if (is_needle(corners)) return false;
     const Vec2 center = circumcenter(corners);
     if (center.allFinite()) {
       const TriangleLocation place = delaunay_->locate(center, t);
@@ -392,6 +332,14 @@ class PatchRefiner {
       }
     }
     return add(beside_longest(triangle, corners), t);
+  }
+
+  // So flat that points within it are no help, as beside a border that is too coarse.
+  static bool is_needle(const std::array<Vec2, 3>& corners) {
+    constexpr double k_least_height = 1e-9;  // of its length
+    const Vec2 a = corners[1] - corners[0], b = corners[2] - corners[0];
+    const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
+    return a.x() * b.y() - a.y() * b.x() < k_least_height * longest;
   }
 
   static Vec2 circumcenter(const std::array<Vec2, 3>& corners) {
@@ -435,13 +383,6 @@ class PatchRefiner {
     return middle + std::min(0.5, 0.5 * length / height) * (apex - middle);
   }
 
-  // So near that the triangle on the pole's side is good at once.
-  Vec2 beside_pole(const DelaunayTriangle& triangle, const Vec2& apex, int side) const {
-    const Vec2 middle = (delaunay_->point(triangle.from(side)) + delaunay_->point(triangle.to(side))) / 2;
-    const double reach = reach_from_poles(triangle), allowed = std::max(allowance(triangle), 0.0);
-    return middle + 0.5 * std::min(1.0, allowed / reach) * (apex - middle);
-  }
-
   void collect() {
     double worst = 0;
     for (const DelaunayTriangle& triangle : delaunay_->triangles()) {
@@ -483,7 +424,6 @@ class PatchRefiner {
   std::span<const Vec3> positions_;
   const PatchSurface& surface_;
   const PatchTessellationOptions& options_;
-  std::vector<Pole> poles_;
   PatchTriangles result_;
   std::vector<std::array<Index, 2>> edges_;
   std::vector<Index> vertices_;  // of the graph, by point of loops

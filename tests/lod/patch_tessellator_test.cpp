@@ -284,6 +284,19 @@ TEST(PatchTessellator, CountsWhatSewingMoved) {
   EXPECT_NEAR(square.triangles.error_bound, 0.25, 1e-15);
 }
 
+// A border that is coarser than the tolerance can't be mended by points within: there are not many more.
+TEST(PatchTessellator, DoesNotTryForEverWhereLoopsAreCoarserThanItsTolerance) {
+  Tessellated sheet = tessellate(whole(test::RandomNurbs(22).sheet(3, 3, 3, false)), 0.1);
+  const std::size_t expected = tessellate(sheet.patch, 0.01).triangles.triangles.size();
+  PatchTessellationOptions options;
+  options.tolerance = 0.01;
+  sheet.triangles = triangulate_patch(sheet.loops, sheet.graph.positions, sheet.surface, options);
+  EXPECT_FALSE(sheet.triangles.reached_tolerance);
+  EXPECT_TRUE(std::isfinite(sheet.triangles.error_bound));
+  EXPECT_LT(sheet.triangles.triangles.size(), 4 * expected);
+  expect_bound_holds(sheet, 23, 2000);
+}
+
 SeamLoop loop_of(const std::vector<Vec2>& uvs, Index first_vertex) {
   SeamLoop loop;
   for (const Vec2& uv : uvs) {
