@@ -139,7 +139,8 @@ class PatchRefiner {
     constexpr double k_least_share = 0.25, k_near_side = 1.25;
     double result = std::max(allowance(triangle), k_least_share * options_.tolerance);
     for (int k = 0; k < 3; ++k) {
-      if (!triangle.is_constrained(k)) continue;
+      // Beside a side that is one point in space, points do help.
+      if (!triangle.is_constrained(k) || is_one_point(triangle, k)) continue;
       const Vec2 &from = result_.uvs[triangle.from(k)], &to = result_.uvs[triangle.to(k)];
       result = std::max(result, k_near_side * surface_.bounds.deviation(from, to, result / k_near_side));
     }
@@ -396,13 +397,14 @@ class PatchRefiner {
     count_inverted();
   }
 
+  bool is_one_point(const DelaunayTriangle& triangle, int side) const {
+    const Index a = triangle.from(side), b = triangle.to(side);
+    return is_of_loop(a) && is_of_loop(b) && vertices_[a] == vertices_[b];
+  }
+
   // Two corners are the same point in space.
   bool is_flat(const DelaunayTriangle& triangle) const {
-    for (int k = 0; k < 3; ++k) {
-      const Index a = triangle.from(k), b = triangle.to(k);
-      if (is_of_loop(a) && is_of_loop(b) && vertices_[a] == vertices_[b]) return true;
-    }
-    return false;
+    return is_one_point(triangle, 0) || is_one_point(triangle, 1) || is_one_point(triangle, 2);
   }
 
   void count_inverted() {
