@@ -11,6 +11,7 @@ namespace recede {
 namespace {
 
 constexpr double k_least_share = 0.1;    // of the finest seams' error
+constexpr double k_ahead = 0.75;         // of what is tolerated: a step nearer needs nothing new
 constexpr double k_much_finer = 0.5;     // triangles that fine are made anew
 constexpr double k_for_rounding = 1e-6;  // radians
 
@@ -141,7 +142,7 @@ class SeamViewer::Impl {
       // About as many as there are, times the ratio of errors.
       const auto now = static_cast<double>(tessellation_.triangles_of(patch).triangles.size());
       triangles += std::max(2.0, now * tolerances_[patch] / wanted[patch]);
-      tolerances_[patch] = wanted[patch];
+      tolerances_[patch] = k_ahead * wanted[patch];
     }
   }
 

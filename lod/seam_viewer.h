@@ -45,8 +45,9 @@ class SeamViewer {
   ~SeamViewer();
 
   /// Goes on from the last frame. A patch tolerates `view.pixel_error` times the length that a pixel covers
-  /// at its nearest point, but at least a tenth of the error of the finest seams. Throws `OptionError` for
-  /// numbers out of range or a position at its target.
+  /// at its nearest point, but at least a tenth of the error of the finest seams. What is made anew is made
+  /// for three fourths of that, so that it serves for some frames. Throws `OptionError` for numbers out of
+  /// range or a position at its target.
   SeamFrame update(const SeamView& view);
 
   const SeamTessellation& tessellation() const;

@@ -15,7 +15,7 @@ namespace recede::detail {
 class PointGrid {
  public:
   /// About as many cells along the longest side of their box as are given.
-  PointGrid(const std::vector<Vec3>& points, int cells) : points_(points) {
+  PointGrid(const std::vector<Vec3>& points, int cells) {
     for (const Vec3& point : points) box_.extend(point);
     const double longest = points.empty() ? 1.0 : box_.sizes().maxCoeff();
     cell_ = longest > 0 ? longest / cells : 1.0;
@@ -63,7 +63,6 @@ class PointGrid {
   }
   static std::int64_t key(const Cell& cell) { return (cell[0] << 40) | (cell[1] << 20) | cell[2]; }
 
-  const std::vector<Vec3>& points_;
   Box3 box_;
   double cell_ = 1;
   std::unordered_map<std::int64_t, std::vector<Index>> cells_;
