@@ -17,7 +17,7 @@ Vec2 projected(const Vec3& point) { return point.head<2>() / point.z(); }
 constexpr double k_same_share = 1e-9;  // knots that mean the same place differ by rounding
 
 // Of the edge, for a parameter of a use.
-double share_of(const EdgeUse& use, double t) {
+double share_of(const SeamCurve& use, double t) {
   const double share = (t - use.range.begin) / use.range.length();
   return use.runs_against ? 1 - share : share;
 }
@@ -28,10 +28,10 @@ struct Break {
 };
 
 // Where knots of any use lie, with both ends of the edge, and as many as make `least_pieces` at least.
-std::vector<Break> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
+std::vector<Break> breaks_of(std::span<const SeamCurve> uses, int least_pieces) {
   std::vector<double> shares;
   for (int i = 0; i <= least_pieces; ++i) shares.push_back(static_cast<double>(i) / least_pieces);
-  for (const EdgeUse& use : uses) {
+  for (const SeamCurve& use : uses) {
     for (const double knot : use.curve->knots) {
       const double share = share_of(use, knot);
       if (share > 0 && share < 1) shares.push_back(share);
@@ -49,14 +49,14 @@ std::vector<Break> breaks_of(std::span<const EdgeUse> uses, int least_pieces) {
   return breaks;
 }
 
-double parameter_at(const EdgeUse& use, double share) {
+double parameter_at(const SeamCurve& use, double share) {
   if (use.runs_against) share = 1 - share;
   return share >= 1 ? use.range.end : use.range.begin + share * use.range.length();
 }
 
 // The parameter at a place, where a piece starts there or ends: of its last knot or its first, so that none
 // lies within the piece.
-double parameter_at(const EdgeUse& use, const Break& place, bool is_start) {
+double parameter_at(const SeamCurve& use, const Break& place, bool is_start) {
   const std::vector<double>& knots = use.curve->knots;
   const double margin = (place.last - place.first + k_same_share) * use.range.length();
   const double middle = parameter_at(use, place.first);
@@ -73,7 +73,7 @@ double parameter_at(const EdgeUse& use, const Break& place, bool is_start) {
   return result;
 }
 
-CurveNet net_between(const EdgeUse& use, double from, double to) {
+CurveNet net_between(const SeamCurve& use, double from, double to) {
   const NurbsCurve2 piece =
       part(*use.curve, use.runs_against ? ParameterRange{to, from} : ParameterRange{from, to});
   CurveNet net;
@@ -96,7 +96,7 @@ std::array<CurveNet, 2> halves(const CurveNet& net) {
 
 class EdgeSampler {
  public:
-  EdgeSampler(std::span<const EdgeUse> uses, double tolerance)
+  EdgeSampler(std::span<const SeamCurve> uses, double tolerance)
       : uses_(uses), tolerance_(tolerance), result_(uses.size()) {}
 
   std::vector<SampledUse> run(int least_pieces) {
@@ -107,7 +107,7 @@ class EdgeSampler {
     }
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
       std::vector<CurveNet> nets;
-      for (const EdgeUse& use : uses_) {
+      for (const SeamCurve& use : uses_) {
         nets.push_back(
             net_between(use, parameter_at(use, breaks[i], true), parameter_at(use, breaks[i + 1], false)));
       }
@@ -148,12 +148,12 @@ class EdgeSampler {
     add(right, {middle, shares.end}, halvings_left - 1);
   }
 
-  std::span<const EdgeUse> uses_;
+  std::span<const SeamCurve> uses_;
   double tolerance_;
   std::vector<SampledUse> result_;
 };
 
-SampledUse sampled_at(const EdgeUse& use, std::span<const double> shares) {
+SampledUse sampled_at(const SeamCurve& use, std::span<const double> shares) {
   SampledUse result;
   for (std::size_t i = 0; i < shares.size(); ++i) {
     result.parameters.push_back(parameter_at(use, shares[i]));
@@ -169,11 +169,11 @@ SampledUse sampled_at(const EdgeUse& use, std::span<const double> shares) {
 
 }  // namespace
 
-std::vector<SampledUse> sample_edge(std::span<const EdgeUse> uses, double tolerance, int least_pieces) {
+std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces) {
   return EdgeSampler(uses, tolerance).run(least_pieces);
 }
 
-Polyline polyline_of(const EdgeUse& use, double tolerance, int least_pieces) {
+Polyline polyline_of(const SeamCurve& use, double tolerance, int least_pieces) {
   const SampledUse sampled = sample_edge({&use, 1}, tolerance, least_pieces).front();
   Polyline line{sampled.parameters, {}};
   for (const Vec2& uv : sampled.uvs) line.points.push_back(use.surface->shape.evaluate(uv));
@@ -193,7 +193,7 @@ Foot foot_on(const Polyline& line, const Vec3& point) {
   return foot;
 }
 
-double nearest_parameter(const EdgeUse& use, double t, const Vec3& point) {
+double nearest_parameter(const SeamCurve& use, double t, const Vec3& point) {
   for (int step = 0; step < 4; ++step) {
     const CurveDerivatives<2> at = derivatives(*use.curve, t);
     const SurfaceDerivatives there = use.surface->shape.derivatives(at.point);
@@ -205,14 +205,14 @@ double nearest_parameter(const EdgeUse& use, double t, const Vec3& point) {
   return t;
 }
 
-std::vector<SampledUse> sample_matched_edge(std::span<const EdgeUse> uses, double tolerance, double gap,
+std::vector<SampledUse> sample_matched_edge(std::span<const SeamCurve> uses, double tolerance, double gap,
                                             int least_pieces) {
   // Points of one use fall a little beside those of another, which makes some pieces longer.
   constexpr double k_for_shifts = 0.7;
   std::vector<Polyline> lines;
-  for (const EdgeUse& use : uses) lines.push_back(polyline_of(use, k_for_shifts * tolerance, least_pieces));
+  for (const SeamCurve& use : uses) lines.push_back(polyline_of(use, k_for_shifts * tolerance, least_pieces));
   // Places on the first use, in its direction, as shares of it.
-  const EdgeUse& leader = uses.front();
+  const SeamCurve& leader = uses.front();
   std::vector<double> places;
   for (std::size_t k = 0; k < uses.size(); ++k) {
     for (std::size_t i = 1; i + 1 < lines[k].points.size(); ++i) {

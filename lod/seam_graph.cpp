@@ -14,8 +14,8 @@ namespace recede {
 namespace {
 
 using detail::CurvePiece;
-using detail::EdgeUse;
 using detail::SampledUse;
+using detail::SeamCurve;
 using detail::SharedEdges;
 
 constexpr double k_default_tolerance = 1e-4;  // of the diagonal of the model's box
@@ -67,7 +67,7 @@ class GraphBuilder {
     const std::vector<int> least_pieces = least_pieces_of_all();
     runs_.resize(edges_.pieces.size());
     tbb::parallel_for(std::size_t{0}, uses.size(), [&](std::size_t edge) {
-      std::vector<EdgeUse> of_edge;
+      std::vector<SeamCurve> of_edge;
       int least = 1;
       for (const std::size_t i : uses[edge]) {
         const CurvePiece& piece = edges_.pieces[i];

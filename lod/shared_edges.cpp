@@ -95,7 +95,7 @@ class EdgeFinder {
     return true;
   }
 
-  EdgeUse use_of(const Piece& piece) const {
+  SeamCurve use_of(const Piece& piece) const {
     return {&surfaces_[piece.patch], &curve_of(piece), piece.range, false};
   }
 

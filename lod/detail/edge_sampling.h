@@ -10,7 +10,7 @@
 namespace recede::detail {
 
 /// A piece of a trimming curve that runs along an edge.
-struct EdgeUse {
+struct SeamCurve {
   const PatchSurface* surface;
   const NurbsCurve2* curve;
   ParameterRange range;  ///< of the curve
@@ -28,11 +28,11 @@ struct SampledUse {
 /// Samples all uses at equal shares of their ranges, so that between two points each of them, and its surface
 /// along the straight line of parameters, is within `tolerance` of the straight line in space. At least
 /// `least_pieces` pieces. Refines at most to 2^16 pieces between knots; `widths` says what was reached.
-std::vector<SampledUse> sample_edge(std::span<const EdgeUse> uses, double tolerance, int least_pieces);
+std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces);
 
 /// The same for uses that run along one another at speeds of their own: each one's points are projected on to
 /// the first, and all of these on to the others. Points nearer to one another than `gap` / 2 become one.
-std::vector<SampledUse> sample_matched_edge(std::span<const EdgeUse> uses, double tolerance, double gap,
+std::vector<SampledUse> sample_matched_edge(std::span<const SeamCurve> uses, double tolerance, double gap,
                                             int least_pieces);
 
 /// A piece of a curve as points in space, at rising or falling parameters.
@@ -40,7 +40,7 @@ struct Polyline {
   std::vector<double> parameters;
   std::vector<Vec3> points;
 };
-Polyline polyline_of(const EdgeUse& use, double tolerance, int least_pieces = 2);
+Polyline polyline_of(const SeamCurve& use, double tolerance, int least_pieces = 2);
 
 /// Where a point is nearest to a poly-line.
 struct Foot {
@@ -50,7 +50,7 @@ struct Foot {
 Foot foot_on(const Polyline& line, const Vec3& point);
 
 /// A few steps of Newton's method from near the foot of a point on a use, within its range.
-double nearest_parameter(const EdgeUse& use, double t, const Vec3& point);
+double nearest_parameter(const SeamCurve& use, double t, const Vec3& point);
 
 /// How far the points of a curve or line are from the chord between `from` and `to` in space, at most: by the
 /// lengths of derivatives of the surface over all of them, times the difference of parameters.

@@ -18,7 +18,7 @@ NurbsCurve2 circle_of(const Vec2& center, double radius) {
   return test::circle(center, radius, false).curves[0].curve;
 }
 
-Vec3 point_on(const EdgeUse& use, double t) { return use.surface->shape.evaluate(evaluate(*use.curve, t)); }
+Vec3 point_on(const SeamCurve& use, double t) { return use.surface->shape.evaluate(evaluate(*use.curve, t)); }
 
 double distance_to_chord(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -28,7 +28,7 @@ double distance_to_chord(const Vec3& p, const Vec3& a, const Vec3& b) {
 }
 
 // Promises of `SampledUse`: ends, order and matching lists.
-void expect_well_formed(const EdgeUse& use, const SampledUse& sampled, double apart = 1e-12) {
+void expect_well_formed(const SeamCurve& use, const SampledUse& sampled, double apart = 1e-12) {
   ASSERT_GE(sampled.parameters.size(), 2u);
   ASSERT_EQ(sampled.uvs.size(), sampled.parameters.size());
   ASSERT_EQ(sampled.widths.size() + 1, sampled.parameters.size());
@@ -45,7 +45,7 @@ void expect_well_formed(const EdgeUse& use, const SampledUse& sampled, double ap
 }
 
 // The curve is within its strip beside the chord, and the surface along the chord near to it.
-void expect_within(const EdgeUse& use, const SampledUse& sampled, double tolerance) {
+void expect_within(const SeamCurve& use, const SampledUse& sampled, double tolerance) {
   for (std::size_t i = 0; i + 1 < sampled.uvs.size(); ++i) {
     const Vec2 &a = sampled.uvs[i], &b = sampled.uvs[i + 1];
     const Vec3 from = use.surface->shape.evaluate(a), to = use.surface->shape.evaluate(b);
@@ -77,7 +77,7 @@ void expect_within(const EdgeUse& use, const SampledUse& sampled, double toleran
 TEST(EdgeSampling, OfAStraightLineOnAPlaneIsItsEnds) {
   const PatchSurface plane(parallelogram({0, 0, 0}, {3, 0, 0}, {0, 2, 0}));
   const NurbsCurve2 curve = straight({0, 0.5}, {1, 0.5});
-  const EdgeUse use{&plane, &curve, curve.domain(), false};
+  const SeamCurve use{&plane, &curve, curve.domain(), false};
   const auto sampled = sample_edge({&use, 1}, 1e-9, 1);
   ASSERT_EQ(sampled.size(), 1u);
   EXPECT_EQ(sampled[0].parameters, (std::vector<double>{0, 1}));
@@ -90,8 +90,8 @@ TEST(EdgeSampling, OfAStraightLineOnAPlaneIsItsEnds) {
 TEST(EdgeSampling, RunsAgainstTheEdgeWhereAUseDoes) {
   const PatchSurface plane(parallelogram({0, 0, 0}, {3, 0, 0}, {0, 2, 0}));
   const NurbsCurve2 along = circle_of({0.5, 0.5}, 0.25), back = reversed(along);
-  const std::vector<EdgeUse> uses{{&plane, &along, along.domain(), false},
-                                  {&plane, &back, back.domain(), true}};
+  const std::vector<SeamCurve> uses{{&plane, &along, along.domain(), false},
+                                    {&plane, &back, back.domain(), true}};
   const auto sampled = sample_edge(uses, 1e-3, 1);
   ASSERT_EQ(sampled.size(), 2u);
   ASSERT_EQ(sampled[0].uvs.size(), sampled[1].uvs.size());
@@ -107,7 +107,7 @@ TEST(EdgeSampling, RunsAgainstTheEdgeWhereAUseDoes) {
 TEST(EdgeSampling, OfACircleHasAboutAsManyPointsAsItNeeds) {
   const PatchSurface plane(parallelogram({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
   const NurbsCurve2 curve = circle_of({0.5, 0.5}, 0.25);
-  const EdgeUse use{&plane, &curve, curve.domain(), false};
+  const SeamCurve use{&plane, &curve, curve.domain(), false};
   for (const double tolerance : {0.1, 1e-2, 1e-4, 1e-6}) {
     const SampledUse sampled = sample_edge({&use, 1}, tolerance, 1)[0];
     expect_well_formed(use, sampled);
@@ -132,7 +132,7 @@ TEST(EdgeSampling, StaysWithinItsToleranceOnRandomSurfaces) {
       point = domain.min() + (0.25 * (point + Vec2(2, 2))).cwiseProduct(domain.sizes());
     ParameterRange range = curve.domain();
     if (round % 4 == 0) range = {range.begin + 0.2 * range.length(), range.end - 0.3 * range.length()};
-    const EdgeUse use{&surface, &curve, range, round % 2 == 1};
+    const SeamCurve use{&surface, &curve, range, round % 2 == 1};
     for (const double tolerance : {0.1, 1e-3}) {
       const SampledUse sampled = sample_edge({&use, 1}, tolerance, 1)[0];
       expect_well_formed(use, sampled);
@@ -145,8 +145,8 @@ TEST(EdgeSampling, HasAPointAtEachKnotOfEachUse) {
   const PatchSurface plane(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
   const NurbsCurve2 bent{1, {0, 0, 0.3, 1, 1}, {{0, 0}, {0.3, 0}, {1, 0}}, {}};
   const NurbsCurve2 other{1, {0, 0, 0.2, 0.7, 1, 1}, {{0, 0}, {0.2, 0}, {0.7, 0}, {1, 0}}, {}};
-  const std::vector<EdgeUse> uses{{&plane, &bent, bent.domain(), false},
-                                  {&plane, &other, other.domain(), true}};
+  const std::vector<SeamCurve> uses{{&plane, &bent, bent.domain(), false},
+                                    {&plane, &other, other.domain(), true}};
   // At 0.3 of both there is one point.
   const auto sampled = sample_edge(uses, 1, 1);
   EXPECT_EQ(sampled[0].parameters.size(), 4u);
@@ -166,9 +166,9 @@ TEST(EdgeSampling, HoldsKnotsThatAreBesideOneAnother) {
     // And one with a knot in between.
     NurbsCurve2 other = curve;
     other.knots[5] = other.knots[6] = 0.5 + apart / 2;
-    const std::vector<EdgeUse> uses{{&plane, &curve, curve.domain(), false},
-                                    {&plane, &back, back.domain(), true},
-                                    {&plane, &other, other.domain(), false}};
+    const std::vector<SeamCurve> uses{{&plane, &curve, curve.domain(), false},
+                                      {&plane, &back, back.domain(), true},
+                                      {&plane, &other, other.domain(), false}};
     for (const double tolerance : {0.5, 1e-2, 1e-4}) {
       const auto sampled = sample_edge(uses, tolerance, 1);
       for (std::size_t k = 0; k < uses.size(); ++k) {
@@ -184,8 +184,8 @@ TEST(EdgeSampling, HoldsKnotsThatAreBesideOneAnother) {
 TEST(EdgeSampling, RefinesAllUsesWhereOneNeedsIt) {
   const PatchSurface plane(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})), tube(test::quarter_tube(1, 1));
   const NurbsCurve2 curve = straight({0, 0}, {1, 0});
-  const std::vector<EdgeUse> uses{{&plane, &curve, curve.domain(), false},
-                                  {&tube, &curve, curve.domain(), false}};
+  const std::vector<SeamCurve> uses{{&plane, &curve, curve.domain(), false},
+                                    {&tube, &curve, curve.domain(), false}};
   const auto sampled = sample_edge(uses, 1e-3, 1);
   const auto alone = sample_edge({&uses[1], 1}, 1e-3, 1);
   EXPECT_GT(sampled[0].parameters.size(), 8u);
@@ -196,7 +196,7 @@ TEST(EdgeSampling, RefinesAllUsesWhereOneNeedsIt) {
 TEST(EdgeSampling, EndsWhereNoToleranceCanBeReached) {
   const PatchSurface tube(test::quarter_tube(1, 1));
   const NurbsCurve2 curve = straight({0, 0.2}, {1, 0.7});
-  const EdgeUse use{&tube, &curve, curve.domain(), false};
+  const SeamCurve use{&tube, &curve, curve.domain(), false};
   const SampledUse sampled = sample_edge({&use, 1}, 0, 1)[0];
   EXPECT_EQ(sampled.widths.size(), 65536u);
 }
@@ -211,9 +211,9 @@ TEST(MatchedEdgeSampling, BringsPointsTogetherThatAreTogetherInSpace) {
   // The same points on the plane with u and v swapped, as a polynomial curve with other speed.
   NurbsCurve2 other = reversed(quarter);
   for (Vec2& point : other.points) std::swap(point.x(), point.y());
-  const std::vector<EdgeUse> uses{{&plane, &quarter, quarter.domain(), false},
-                                  {&tube, &on_tube, on_tube.domain(), false},
-                                  {&swapped, &other, other.domain(), true}};
+  const std::vector<SeamCurve> uses{{&plane, &quarter, quarter.domain(), false},
+                                    {&tube, &on_tube, on_tube.domain(), false},
+                                    {&swapped, &other, other.domain(), true}};
   for (const double tolerance : {0.1, 1e-3}) {
     const auto sampled = sample_matched_edge(uses, tolerance, tolerance, 1);
     ASSERT_EQ(sampled.size(), 3u);
@@ -243,8 +243,8 @@ TEST(MatchedEdgeSampling, HoldsCurvesThatTurnBackBesideOneAnother) {
   const NurbsCurve2 even = straight({0, 0}, {1, 0});
   const NurbsCurve2 uneven{
       1, {0, 0, 1, 2, 3, 4, 4}, {{0, 1e-3}, {0.5, 1e-3}, {0.48, 1e-3}, {0.7, 1e-3}, {1, 1e-3}}, {}};
-  const std::vector<EdgeUse> uses{{&plane, &even, even.domain(), false},
-                                  {&plane, &uneven, uneven.domain(), false}};
+  const std::vector<SeamCurve> uses{{&plane, &even, even.domain(), false},
+                                    {&plane, &uneven, uneven.domain(), false}};
   const auto sampled = sample_matched_edge(uses, 1e-2, 1e-2, 4);
   expect_well_formed(uses[0], sampled[0]);
   expect_well_formed(uses[1], sampled[1]);
@@ -268,12 +268,12 @@ TEST(FootOn, IsTheNearestPointOfAPolyline) {
 TEST(NearestParameter, IsWhereACurveIsNearestAndStaysInItsRange) {
   const PatchSurface tube(test::quarter_tube(1, 1));
   const NurbsCurve2 curve = straight({0, 0.5}, {1, 0.5});
-  const EdgeUse use{&tube, &curve, curve.domain(), false};
+  const SeamCurve use{&tube, &curve, curve.domain(), false};
   const Vec3 at = point_on(use, 0.3);
   // A thousandth of the radius outside: each step leaves a thousandth of what was wrong.
   EXPECT_NEAR(nearest_parameter(use, 0.4, 1.001 * at - 0.001 * Vec3(0, 0, at.z())), 0.3, 1e-9);
   EXPECT_EQ(nearest_parameter(use, 0.9, {-1, 1.2, 0.5}), 1);
-  const EdgeUse part_of{&tube, &curve, {0.5, 0.75}, false};
+  const SeamCurve part_of{&tube, &curve, {0.5, 0.75}, false};
   EXPECT_EQ(nearest_parameter(part_of, 0.6, at), 0.5);
 }
 
