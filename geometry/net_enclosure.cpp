@@ -12,7 +12,7 @@ constexpr double k_for_rounding = 1e-12;  // between products of weights, relati
 // parameters of the net from 0 to 1.
 struct Hull {
   IntervalVec3 points;
-  Interval weights{1e300, -1e300};
+  RealInterval weights{1e300, -1e300};
   double length = 0;  // of the longest point
 };
 
@@ -63,8 +63,8 @@ DerivativeEnclosure enclose_rational(const BezierNet& net) {
   const Vec3 origin = 0.5 * (box.lower + box.upper);
   const IntervalVec3 around{box.lower - origin, box.upper - origin};
   const auto hull = [&](std::size_t u, std::size_t v) { return hull_of_differences(net, origin, {u, v}); };
-  const Interval weights = hull(0, 0).weights;
-  const Interval over_weight{1 / weights.upper, 1 / weights.lower}, two{2, 2};
+  const RealInterval weights = hull(0, 0).weights;
+  const RealInterval over_weight{1 / weights.upper, 1 / weights.lower}, two{2, 2};
   const Hull u = hull(1, 0), v = hull(0, 1), uu = hull(2, 0), uv = hull(1, 1), vv = hull(0, 2);
   DerivativeEnclosure result;
   result.du = over_weight * (u.points - u.weights * around);
@@ -120,7 +120,7 @@ DerivativeEnclosure enclose_separable(const BezierNet& net) {
     result.lengths.v = std::max(result.lengths.v, of_row.lengths.v);
     result.lengths.vv = std::max(result.lengths.vv, of_row.lengths.vv);
   }
-  Interval along_u{1e300, 0}, along_v{1e300, 0};
+  RealInterval along_u{1e300, 0}, along_v{1e300, 0};
   for (std::size_t i = 0; i <= p; ++i) {
     along_u = {std::min(along_u.lower, net.at(i, 0).w()), std::max(along_u.upper, net.at(i, 0).w())};
     for (std::size_t j = 0; j < q && i < p; ++j) {

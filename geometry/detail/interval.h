@@ -17,16 +17,16 @@ inline float rounded_up(double value) {
 }
 inline float rounded_down(double value) { return -rounded_up(-value); }
 
-struct Interval {
+struct RealInterval {
   double lower, upper;
 };
 
-inline Interval operator*(const Interval& a, const Interval& b) {
+inline RealInterval operator*(const RealInterval& a, const RealInterval& b) {
   const double ll = a.lower * b.lower, lu = a.lower * b.upper, ul = a.upper * b.lower, uu = a.upper * b.upper;
   return {std::min({ll, lu, ul, uu}), std::max({ll, lu, ul, uu})};
 }
 
-inline Interval operator-(const Interval& a, const Interval& b) {
+inline RealInterval operator-(const RealInterval& a, const RealInterval& b) {
   return {a.lower - b.upper, a.upper - b.lower};
 }
 
@@ -38,8 +38,8 @@ struct IntervalVec3 {
     lower = lower.cwiseMin(point);
     upper = upper.cwiseMax(point);
   }
-  Interval operator[](int axis) const { return {lower[axis], upper[axis]}; }
-  void set(int axis, const Interval& value) {
+  RealInterval operator[](int axis) const { return {lower[axis], upper[axis]}; }
+  void set(int axis, const RealInterval& value) {
     lower[axis] = value.lower;
     upper[axis] = value.upper;
   }
@@ -51,7 +51,7 @@ inline IntervalVec3 operator-(const IntervalVec3& a, const IntervalVec3& b) {
   return {a.lower - b.upper, a.upper - b.lower};
 }
 
-inline IntervalVec3 operator*(const Interval& a, const IntervalVec3& b) {
+inline IntervalVec3 operator*(const RealInterval& a, const IntervalVec3& b) {
   IntervalVec3 result;
   for (int axis = 0; axis < 3; ++axis) result.set(axis, a * b[axis]);
   return result;
