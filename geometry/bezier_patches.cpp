@@ -214,6 +214,21 @@ SurfaceDerivatives BezierPatches::derivatives(const Vec2& uv) const {
   return result;
 }
 
+Vec3 BezierPatches::normal(const Vec2& uv) const {
+  const auto normal_at = [&](const Vec2& at) {
+    const SurfaceDerivatives here = derivatives(at);
+    const Vec3 normal = here.du.cross(here.dv);
+    constexpr double k_least_sine = 1e-9;  // parallel, but for rounding
+    const double length = normal.norm();
+    return length > k_least_sine * here.du.norm() * here.dv.norm() ? Vec3(normal / length) : Vec3::Zero();
+  };
+  Vec3 normal = normal_at(uv);
+  // From the middle of the domain it is seen from inside.
+  for (double step = 1e-6; normal.isZero(0) && step < 0.1; step *= 10)
+    normal = normal_at(uv + step * (domain().center() - uv));
+  return normal;
+}
+
 std::vector<Vec4> BezierPatches::net(std::size_t patch_u, std::size_t patch_v) const {
   const std::size_t n_points =
       static_cast<std::size_t>(degrees_[0] + 1) * static_cast<std::size_t>(degrees_[1] + 1);

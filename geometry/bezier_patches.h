@@ -20,6 +20,10 @@ class BezierPatches {
   Vec3 evaluate(const Vec2& uv) const;
   SurfaceDerivatives derivatives(const Vec2& uv) const;
 
+  /// Unit length, along du x dv, or its limit from inside of the domain where that has no length; (0,0,0)
+  /// where there is no limit.
+  Vec3 normal(const Vec2& uv) const;
+
   ParameterBox domain() const;
   std::array<int, 2> degrees() const { return degrees_; }
   bool is_rational() const { return is_rational_; }

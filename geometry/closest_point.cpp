@@ -17,13 +17,6 @@ double squared_distance_to_box(const Vec3& p, const Vec3& lower, const Vec3& upp
   return (lower - p).cwiseMax(p - upper).cwiseMax(0.0).squaredNorm();
 }
 
-Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double length = d.squaredNorm();
-  if (!(length > 0)) return a;
-  return a + std::clamp((p - a).dot(d) / length, 0.0, 1.0) * d;
-}
-
 Vec3 closest_point_on_sides(const Vec3& p, const Triangle& t) {
   const Vec3 candidates[3] = {closest_point_on_segment(p, t.a, t.b), closest_point_on_segment(p, t.b, t.c),
                               closest_point_on_segment(p, t.c, t.a)};
@@ -33,6 +26,13 @@ Vec3 closest_point_on_sides(const Vec3& p, const Triangle& t) {
 }
 
 }  // namespace
+
+Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double length = d.squaredNorm();
+  if (!(length > 0)) return a;
+  return a + std::clamp((p - a).dot(d) / length, 0.0, 1.0) * d;
+}
 
 Vec3 closest_point_on_triangle(const Vec3& p, const Triangle& t) {
   const Vec3 ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;

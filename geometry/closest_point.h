@@ -13,6 +13,9 @@ struct Triangle {
   Vec3 a, b, c;
 };
 
+/// The point between `a` and `b` nearest to `p`. They may be one point.
+Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b);
+
 /// The point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5). Triangles of zero
 /// area are segments or points.
 Vec3 closest_point_on_triangle(const Vec3& p, const Triangle& triangle);

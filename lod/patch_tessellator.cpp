@@ -297,7 +297,7 @@ class PatchRefiner {
 
   void extend_normals() {
     while (normals_.size() < result_.uvs.size())
-      normals_.push_back(surface_normal(surface_.shape, result_.uvs[normals_.size()]));
+      normals_.push_back(surface_.shape.normal(result_.uvs[normals_.size()]));
   }
 
   bool is_inverted(const std::array<Index, 3>& points) const {
@@ -445,23 +445,6 @@ PatchTriangles triangulate_patch(std::span<const SeamLoop> loops, std::span<cons
                                  const PatchSurface& surface, const PatchTessellationOptions& options) {
   if (!(options.tolerance > 0)) throw OptionError("the tolerance of a tessellation is above 0");
   return PatchRefiner(loops, positions, surface, options).run();
-}
-
-Vec3 surface_normal(const BezierPatches& surface, const Vec2& uv) {
-  const auto normal_at = [&](const Vec2& at) {
-    const SurfaceDerivatives here = surface.derivatives(at);
-    const Vec3 normal = here.du.cross(here.dv);
-    // Parallel, but for rounding.
-    constexpr double k_least_sine = 1e-9;
-    const double length = normal.norm();
-    return length > k_least_sine * here.du.norm() * here.dv.norm() ? Vec3(normal / length) : Vec3::Zero();
-  };
-  Vec3 normal = normal_at(uv);
-  const ParameterBox domain = surface.domain();
-  // From the middle of the domain it is seen from inside.
-  for (double step = 1e-6; normal.isZero(0) && step < 0.1; step *= 10)
-    normal = normal_at(uv + step * (domain.center() - uv));
-  return normal;
 }
 
 }  // namespace recede

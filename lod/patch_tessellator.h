@@ -26,8 +26,10 @@ struct PatchTriangles {
   /// Numbers of points, counter-clockwise in the plane of (u, v). Where corners are the same point in space,
   /// as at poles, the triangle is left out.
   std::vector<std::array<Index, 3>> triangles;
-  /// At least the distance of every point of the trimmed surface from the triangles, and of every point of
-  /// these from the trimmed surface.
+  /// At least the distance of every point of the surface that the trimming curves of these loops enclose from
+  /// the triangles, and of every point of these from the surface: from its trimmed part, but from the surface
+  /// going on where triangles reach over a trimming curve, as far as the loops' widths say. Holes whose loops
+  /// aren't given any more count as surface.
   double error_bound = 0;
   bool reached_tolerance = false;
   /// Triangles whose normal points away from that of the surface at all of their corners, by more than a
@@ -39,9 +41,5 @@ struct PatchTriangles {
 /// loops cross one another, don't go around anything, or run around it clockwise.
 PatchTriangles triangulate_patch(std::span<const SeamLoop> loops, std::span<const Vec3> positions,
                                  const PatchSurface& surface, const PatchTessellationOptions& options);
-
-/// The normal of a surface, unit length: along du x dv, or its limit from inside of the domain where that has
-/// no length; (0,0,0) where there is no limit.
-Vec3 surface_normal(const BezierPatches& surface, const Vec2& uv);
 
 }  // namespace recede

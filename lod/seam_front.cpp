@@ -1,6 +1,5 @@
 #include <recede/geometry/detail/interval.h>
-#include <recede/lod/detail/active_loops.h>
-#include <recede/lod/detail/edge_sampling.h>
+#include <recede/lod/detail/seam_chords.h>
 #include <recede/lod/seam_front.h>
 
 #include <algorithm>
@@ -15,11 +14,8 @@ class SeamFront::Impl {
         loops_(graph),
         vertices_(graph.positions.size(), hierarchy.splits),
         front_(vertices_),
+        patch_of_loop_(graph.patches_of_loops()),
         is_changed_(graph.n_patches(), true) {
-    for (std::size_t patch = 0; patch < graph.n_patches(); ++patch) {
-      for (std::size_t l = graph.patch_loops[patch]; l < graph.patch_loops[patch + 1]; ++l)
-        patch_of_loop_.push_back(static_cast<Index>(patch));
-    }
     for (std::size_t split = hierarchy.n_splits(); split-- > 0;) apply_merge(static_cast<Index>(split));
   }
 
@@ -27,6 +23,9 @@ class SeamFront::Impl {
   FrontMoves adapt(Tolerance&& tolerance_of) {
     // A vertex can have splits of one patch that wait for earlier ones of others, which tolerate more.
     is_wanted_.assign(levels_.n_splits(), 0);
+    for (const auto& [split, patch] : levels_.vanished) {
+      if (static_cast<double>(levels_.errors[split]) > tolerance_of(patch)) is_wanted_[split] = 1;
+    }
     for (std::size_t split = levels_.n_splits(); split-- > 0;) {
       if (is_wanted_[split] == 0 && is_tolerated(split, tolerance_of)) continue;
       is_wanted_[split] = 1;
@@ -72,6 +71,7 @@ class SeamFront::Impl {
 
   std::vector<SeamLoop> loops_of(std::size_t patch, const PatchSurface& surface) const {
     std::vector<SeamLoop> result;
+    std::vector<Vec2> points;
     for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
       if (!loops_.encloses(l)) continue;
       // The same one, however the front got here.
@@ -81,7 +81,10 @@ class SeamFront::Impl {
       Index slot = start;
       do {
         loop.slots.push_back({graph_.slots[slot].uv, loops_.vertex(slot)});
-        loop.widths.push_back(width_from(slot, surface));
+        detail::points_to_next(graph_, loops_, slot, points);
+        loop.widths.push_back(points.size() == 2 ? graph_.widths[slot]
+                                                 : detail::rounded_up(detail::strip_to_next(
+                                                       graph_, loops_, slot, points, surface.bounds)));
         slot = loops_.next(slot);
       } while (slot != start);
       result.push_back(std::move(loop));
@@ -122,23 +125,6 @@ class SeamFront::Impl {
   void mark(Index split) {
     for (const SlotChange& change : levels_.changes_of(split))
       is_changed_[patch_of_loop_[loops_.loop_of(change.slot())]] = true;
-  }
-
-  // Of the strip between the trimming curve and the chord to the next active slot.
-  float width_from(Index slot, const PatchSurface& surface) const {
-    const Index loop = loops_.loop_of(slot), first = graph_.loop_offsets[loop],
-                end = graph_.loop_offsets[loop + 1];
-    const Index to = loops_.next(slot);
-    std::vector<Vec2> points;
-    float width = 0;
-    for (Index s = slot; points.empty() || s != to; s = s + 1 < end ? s + 1 : first) {
-      points.push_back(graph_.slots[s].uv);
-      width = std::max(width, graph_.widths[s]);
-    }
-    points.push_back(graph_.slots[to].uv);
-    if (points.size() == 2) return width;
-    const double beside = detail::strip_width(surface.bounds, points, points.front(), points.back());
-    return detail::rounded_up(static_cast<double>(width) + beside);
   }
 
   const SeamGraph& graph_;

@@ -203,6 +203,13 @@ class GraphBuilder {
 
 }  // namespace
 
+std::vector<Index> SeamGraph::patches_of_loops() const {
+  std::vector<Index> patches;
+  for (std::size_t patch = 0; patch < n_patches(); ++patch)
+    patches.resize(patch_loops[patch + 1], static_cast<Index>(patch));
+  return patches;
+}
+
 std::vector<SeamLoop> SeamGraph::loops_of(std::size_t patch) const {
   std::vector<SeamLoop> loops;
   for (std::size_t l = patch_loops[patch]; l < patch_loops[patch + 1]; ++l) {

@@ -62,6 +62,8 @@ struct SeamGraph {
   std::span<const SeamSlot> loop(std::size_t loop) const {
     return {slots.data() + loop_offsets[loop], loop_offsets[loop + 1] - loop_offsets[loop]};
   }
+  /// By loop.
+  std::vector<Index> patches_of_loops() const;
   /// All of a patch, as fine as they are.
   std::vector<SeamLoop> loops_of(std::size_t patch) const;
 };

@@ -1,14 +1,12 @@
-#include <recede/geometry/closest_point.h>
 #include <recede/geometry/detail/interval.h>
 #include <recede/geometry/error.h>
-#include <recede/lod/detail/active_loops.h>
 #include <recede/lod/detail/edge_sampling.h>
 #include <recede/lod/detail/plane_hulls.h>
-#include <recede/lod/patch_tessellator.h>
+#include <recede/lod/detail/seam_chords.h>
+#include <recede/lod/detail/vanished_patches.h>
 #include <recede/lod/seam_hierarchy.h>
 
 #include <algorithm>
-#include <optional>
 #include <queue>
 
 namespace recede {
@@ -16,13 +14,6 @@ namespace recede {
 namespace {
 
 using detail::ActiveLoops;
-
-// A patch is sampled for what it costs to leave it out; the tolerance of this is added to that.
-constexpr double k_guard_tolerance = 0.02;  // of the patch's size
-
-double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  return (p - closest_point_on_triangle(p, {a, b, b})).norm();
-}
 
 class SeamCollapser {
  public:
@@ -32,16 +23,11 @@ class SeamCollapser {
         loops_(graph),
         moves_(graph.slots.size()),
         chords_(graph.slots.size()),
-        ghosts_(graph.positions.size(), 0.0),
+        vanished_(graph, surfaces),
         stamps_(graph.positions.size(), 0),
         refused_(graph.positions.size()),
-        guards_(graph.n_patches()) {
-    for (std::size_t patch = 0; patch < graph.n_patches(); ++patch) {
-      for (std::size_t l = graph.patch_loops[patch]; l < graph.patch_loops[patch + 1]; ++l) {
-        patch_of_loop_.push_back(static_cast<Index>(patch));
-        is_outer_.push_back(area_of(l) > 0);
-      }
-    }
+        patch_of_loop_(graph.patches_of_loops()) {
+    for (std::size_t l = 0; l < graph.n_loops(); ++l) is_outer_.push_back(area_of(l) > 0);
     for (std::size_t slot = 0; slot < graph.slots.size(); ++slot) {
       const auto s = static_cast<Index>(slot);
       moves_[slot] = move_of(s, loops_.vertex(s));
@@ -103,13 +89,8 @@ class SeamCollapser {
     VertexPair pair;
     double error;
     std::size_t first_change;
+    std::size_t first_vanished;
   };
-  struct Trial {
-    bool is_possible = false;
-    double error = 0;
-    double ghost = 0;
-  };
-
   double area_of(std::size_t loop) const {
     const auto slots = graph_.loop(loop);
     double twice = 0;
@@ -127,33 +108,13 @@ class SeamCollapser {
     return (surfaces_[patch_of(slot)].shape.evaluate(graph_.slots[slot].uv) - position(vertex)).norm();
   }
 
-  // The original slots from one to another of the same loop, both among them.
-  template <typename Visit>
-  void each_between(Index from, Index to, Visit&& visit) const {
-    const Index loop = loops_.loop_of(from), first = graph_.loop_offsets[loop],
-                end = graph_.loop_offsets[loop + 1];
-    Index slot = from;
-    do {
-      visit(slot);
-      slot = slot + 1 < end ? slot + 1 : first;
-    } while (slot != to);
-    visit(to);
-  }
-
   Chord chord_from(Index slot) const {
-    const Index to = loops_.next(slot);
     const SurfaceBounds& bounds = surfaces_[patch_of(slot)].bounds;
+    detail::points_to_next(graph_, loops_, slot, points_);
     Chord chord;
-    double width = 0;
-    points_.clear();
-    each_between(slot, to, [&](Index s) {
-      points_.push_back(graph_.slots[s].uv);
-      chord.box.extend(graph_.slots[s].uv);
-      if (s != to) width = std::max(width, static_cast<double>(graph_.widths[s]));
-    });
-    const Vec2 &a = points_.front(), &b = points_.back();
-    if (points_.size() > 2) width += detail::strip_width(bounds, points_, a, b);
-    chord.error = width + bounds.deviation(a, b);
+    for (const Vec2& point : points_) chord.box.extend(point);
+    chord.error = detail::strip_to_next(graph_, loops_, slot, points_, bounds) +
+                  bounds.deviation(points_.front(), points_.back());
     return chord;
   }
 
@@ -190,10 +151,110 @@ class SeamCollapser {
       changes_.push_back(SlotChange::given(slots_[i]));
     }
     // Slots of what encloses nothing any more stay, so that fronts know what hangs together.
-    each_lost_loop(
-        first, [&](Index loop) { is_possible = is_possible && (!is_outer_[loop] || is_last_loop(loop)); });
+    each_lost_loop(first, [&](Index loop) { is_possible = is_possible && may_be_lost(loop); });
     if (!is_possible) undo(first, removed);
     return is_possible;
+  }
+
+  // Not the outline around a hole, and nothing without which something that vanished would have no seam of a
+  // patch that is left.
+  bool may_be_lost(Index loop) const {
+    if (is_outer_[loop] && !is_last_loop(loop)) return false;
+    bool is_possible = true;
+    each_slot_of(loop, [&](Index slot) {
+      const Index v = loops_.vertex(slot);
+      is_possible = is_possible && (has_sides(v) || (!is_outer_[loop] && !stands_for_patch(v)));
+    });
+    return is_possible;
+  }
+
+  template <typename Visit>
+  void each_slot_of(Index loop, Visit&& visit) const {
+    Index slot = loops_.first_of(loop);
+    for (Index k = 0; k < loops_.size_of(loop); ++k, slot = loops_.next(slot)) visit(slot);
+  }
+
+  // The other ends of sides of patches that are left.
+  template <typename Visit>
+  void each_side(Index vertex, Visit&& visit) const {
+    loops_.each_slot(vertex, [&](Index slot) {
+      if (!loops_.encloses(loops_.loop_of(slot))) return;
+      visit(loops_.vertex(loops_.previous(slot)));
+      visit(loops_.vertex(loops_.next(slot)));
+    });
+  }
+  bool has_sides(Index vertex) const {
+    bool has = false;
+    each_side(vertex, [&](Index) { has = true; });
+    return has;
+  }
+  bool is_side(Index a, Index b) const {
+    bool is = false;
+    each_side(a, [&](Index w) { is = is || w == b; });
+    return is;
+  }
+
+  bool is_outline_of_vanished(Index loop) const { return is_outer_[loop] && !loops_.encloses(loop); }
+  bool stands_for_patch(Index vertex) const {
+    bool does = false;
+    loops_.each_slot(vertex,
+                     [&](Index slot) { does = does || is_outline_of_vanished(loops_.loop_of(slot)); });
+    return does;
+  }
+
+  // Patches that have vanished and whose seams the changes from `first` on made or moved go to `moved_`;
+  // those of which they took away a side alone to `bared_`.
+  void collect_vanished(std::size_t first) {
+    moved_.clear();
+    bared_.clear();
+    for (std::size_t i = first; i < changes_.size(); ++i) {
+      const Index loop = loops_.loop_of(changes_[i].slot());
+      if (is_outline_of_vanished(loop)) moved_.push_back(loop);
+    }
+    std::sort(moved_.begin(), moved_.end());
+    moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
+    each_lost_loop(first, [&](Index lost) {
+      const Index slot = loops_.first_of(lost), a = loops_.vertex(slot), b = loops_.vertex(loops_.next(slot));
+      if (a == b || is_side(a, b)) return;
+      loops_.each_slot(a, [&](Index other) {
+        const Index loop = loops_.loop_of(other);
+        if (is_outline_of_vanished(loop) && loops_.vertex(loops_.next(other)) == b &&
+            !std::binary_search(moved_.begin(), moved_.end(), loop))
+          bared_.push_back(loop);
+      });
+    });
+  }
+
+  // How far a patch is from what its outline has become: a side of other patches, or one or two points of
+  // them.
+  double distance_of_vanished(Index loop) {
+    const Index slot = loops_.first_of(loop), a = loops_.vertex(slot), b = loops_.vertex(loops_.next(slot));
+    const Index patch = patch_of_loop_[loop];
+    const Vec3 &from = position(a), &to = position(b);
+    if (a != b && is_side(a, b)) return vanished_.distance(patch, {{detail::Segment{from, to}}});
+    return vanished_.distance(patch, {{detail::Segment{from, from}, detail::Segment{to, to}}});
+  }
+
+  // The same for those of `moved_` and `bared_`, and the largest of all. `is_final`: remembers them.
+  double largest_of_vanished(double moved_by, std::size_t most_measured, bool is_final) {
+    double largest = 0;
+    const bool is_measured = moved_.size() + bared_.size() <= most_measured;
+    for (const std::vector<Index>* loops : {&moved_, &bared_}) {
+      for (const Index loop : *loops) {
+        const Index patch = patch_of_loop_[loop];
+        const Index slot = loops_.first_of(loop);
+        const double length =
+            (position(loops_.vertex(slot)) - position(loops_.vertex(loops_.next(slot)))).norm();
+        // Both ends of a side are as near as it is, but for its length.
+        const bool is_new = vanished_.at(patch) == 0;
+        const double distance = is_measured || is_new
+                                    ? distance_of_vanished(loop)
+                                    : vanished_.at(patch) + (loops == &moved_ ? moved_by : length);
+        if (is_final) vanished_.set(patch, distance);
+        largest = std::max(largest, distance);
+      }
+    }
+    return largest;
   }
 
   // Visits the loops that enclose nothing since the changes from `first` on.
@@ -267,73 +328,24 @@ class SeamCollapser {
     return std::find(moved_chords_.begin(), moved_chords_.end(), slot) != moved_chords_.end();
   }
 
-  // With the changes from `first` on in place.
-  Trial assess(std::size_t first, Index removed, Index kept) {
+  // The error of a collapse, with its changes from `first` on in place. `is_final`: it stays.
+  double assess(std::size_t first, Index removed, Index kept, bool is_final) {
     collect_chords(first);
-    double seams = 0;
+    double seams = 0, others = 0;
     for (const Index slot : new_chords_)
       seams = std::max(seams, chord_from(slot).error + end_moves(slot, kept));
     for (const Index slot : moved_chords_)
       seams = std::max(seams, chords_[slot].error + end_moves(slot, kept));
-    Trial trial{true, seams / k_seam_share, ghosts_[kept]};
-    if (ghosts_[removed] > 0) trial.ghost = std::max(trial.ghost, ghosts_[removed] + step(removed, kept));
     each_lost_loop(first, [&](Index loop) {
-      const double cost = is_outer_[loop] ? guard(patch_of_loop_[loop], kept) : hole_width(loop);
-      trial.ghost = std::max(trial.ghost, cost);
+      if (!is_outer_[loop]) others = std::max(others, hole_width(loop));
     });
-    trial.error = std::max(trial.error, trial.ghost);
-    return trial;
-  }
-
-  // How far the edges at the vertex are from those that replace them.
-  double step(Index removed, Index kept) const {
-    double largest = 0;
-    loops_.each_neighbour(kept, [&](Index w) {
-      largest = std::max(largest, distance_to_segment(position(removed), position(kept), position(w)));
-    });
-    return largest;
-  }
-
-  // How far a patch is from the seams at a vertex of it that is left.
-  double guard(Index patch, Index kept) {
-    if (!guards_[patch]) sample(patch);
-    segments_.clear();
-    segments_.push_back(kept);
-    loops_.each_neighbour(kept, [&](Index w) { segments_.push_back(w); });
-    double largest = 0;
-    const std::vector<Vec3>& corners = guards_[patch]->corners;
-    for (std::size_t i = 0; i < corners.size(); i += 3) {
-      double least = std::numeric_limits<double>::infinity();
-      for (const Index w : segments_) {
-        if (least <= largest) break;  // nothing larger will come of it
-        double most = 0;
-        for (std::size_t k = i; k < i + 3 && most < least; ++k)
-          most = std::max(most, distance_to_segment(corners[k], position(kept), position(w)));
-        least = std::min(least, most);
-      }
-      largest = std::max(largest, least);
-    }
-    return largest + guards_[patch]->tolerance;
-  }
-
-  void sample(Index patch) {
-    const PatchSurface& surface = surfaces_[patch];
-    PatchTessellationOptions options;
-    const double size = surface.bounds.box(surface.shape.domain()).diagonal().norm();
-    options.tolerance = std::max(k_guard_tolerance * size, 4 * graph_.tolerance);
-    options.most_points = 2000;
-    const std::vector<SeamLoop> loops = graph_.loops_of(patch);
-    guards_[patch].emplace();
-    PatchTriangles triangles;
-    try {
-      triangles = triangulate_patch(loops, graph_.positions, surface, options);
-      guards_[patch]->tolerance = triangles.error_bound;
-    } catch (const InputError&) {
-      guards_[patch]->tolerance = size;  // bad loops: what they go around is somewhere on the surface
-    }
-    for (const auto& triangle : triangles.triangles) {
-      for (const Index corner : triangle) guards_[patch]->corners.push_back(triangles.positions[corner]);
-    }
+    // Measured again and again at a vertex that stands for many, it would take longer than it is worth.
+    constexpr std::size_t k_most_tried = 8, k_most_measured = 256;
+    collect_vanished(first);
+    const double moved_by = (position(removed) - position(kept)).norm();
+    others =
+        std::max(others, largest_of_vanished(moved_by, is_final ? k_most_measured : k_most_tried, is_final));
+    return std::max(seams / k_seam_share, others);
   }
 
   // Of all of a loop from its first point, in space: a hole that closes is nowhere farther from its border.
@@ -359,10 +371,10 @@ class SeamCollapser {
       if (std::find(refused.begin(), refused.end(), w) != refused.end()) continue;
       const std::size_t first = changes_.size();
       if (!apply(vertex, w)) continue;
-      const Trial trial = assess(first, vertex, w);
+      const double error = assess(first, vertex, w, false);
       undo(first, vertex);
-      if (trial.error < best.error) {
-        best.error = trial.error;
+      if (error < best.error) {
+        best.error = error;
         best.kept = w;
       }
     }
@@ -372,36 +384,20 @@ class SeamCollapser {
   bool collapse(Index removed, Index kept) {
     const std::size_t first = changes_.size();
     if (!apply(removed, kept)) return false;
-    const Trial trial = assess(first, removed, kept);
+    collect_chords(first);
     if (!stays_simple() || turns_back(removed, kept)) {
       undo(first, removed);
       return false;
     }
+    error_ = std::max(error_, assess(first, removed, kept, true));
     for (std::size_t i = first; i < changes_.size(); ++i) {
       if (!changes_[i].is_dropped()) moves_[changes_[i].slot()] = move_of(changes_[i].slot(), kept);
     }
     for (const Index slot : new_chords_) chords_[slot] = chord_from(slot);
-    ghosts_[kept] = trial.ghost;
-    spread_ghost(first, removed, kept, trial);
-    error_ = std::max(error_, trial.error);
-    records_.push_back({{removed, kept}, error_, first});
+    records_.push_back({{removed, kept}, error_, first, bared_at_.size()});
+    for (const Index loop : bared_) bared_at_.push_back(patch_of_loop_[loop]);
     requeue(first, kept);
     return true;
-  }
-
-  // What lay along an edge that moved, or on both sides of what vanished, lies along edges of neighbours too.
-  void spread_ghost(std::size_t first, Index removed, Index kept, const Trial& trial) {
-    const double moved = ghosts_[removed] > 0 ? step(removed, kept) : 0;
-    loops_.each_neighbour(kept, [&](Index w) {
-      if (w != kept && ghosts_[w] > 0 && moved > 0) ghosts_[w] += moved;
-    });
-    each_lost_loop(first, [&](Index loop) {
-      Index slot = loops_.first_of(loop);
-      for (Index k = 0; k < loops_.size_of(loop); ++k, slot = loops_.next(slot)) {
-        double& ghost = ghosts_[loops_.vertex(slot)];
-        ghost = std::max(ghost, trial.ghost);
-      }
-    });
   }
 
   // Whether no new chord can meet another one, on this level or on any other that a front can reach: their
@@ -440,7 +436,7 @@ class SeamCollapser {
 
   std::vector<Vec2> hull_of(Index slot) const {
     std::vector<Vec2> points;
-    each_between(slot, loops_.next(slot), [&](Index s) { points.push_back(graph_.slots[s].uv); });
+    detail::points_to_next(graph_, loops_, slot, points);
     return detail::convex_hull(std::move(points));
   }
 
@@ -487,35 +483,33 @@ class SeamCollapser {
       result.splits.push_back(record.pair);
       result.errors.push_back(detail::rounded_up(record.error));
       for (std::size_t k = record.first_change; k < end; ++k) result.changes.push_back(changes_[k]);
+      const std::size_t end_vanished =
+          i + 1 < records_.size() ? records_[i + 1].first_vanished : bared_at_.size();
+      for (std::size_t k = record.first_vanished; k < end_vanished; ++k)
+        result.vanished.push_back({static_cast<Index>(result.splits.size() - 1), bared_at_[k]});
       result.change_offsets.push_back(static_cast<Index>(result.changes.size()));
     }
     for (const std::vector<Index>& of_vertex : refused_) result.refused += of_vertex.size();
     return result;
   }
 
-  struct Guard {
-    std::vector<Vec3> corners;  // of triangles, three each
-    double tolerance = 0;
-  };
-
   const SeamGraph& graph_;
   std::span<const PatchSurface> surfaces_;
   ActiveLoops loops_;
   std::vector<double> moves_;  // by slot: from its patch to its vertex
   std::vector<Chord> chords_;  // by active slot
-  std::vector<double>
-      ghosts_;  // by vertex: how far what vanished is from the edges around, at most; 0: nothing did
+  detail::VanishedPatches vanished_;
   std::vector<std::uint32_t> stamps_;
   std::vector<std::vector<Index>> refused_;  // by vertex: where it can't go
-  std::vector<std::optional<Guard>> guards_;
   std::vector<Index> patch_of_loop_;
   std::vector<bool> is_outer_;
   std::vector<SlotChange> changes_;
   std::vector<Record> records_;
+  std::vector<Index> bared_at_;  // patches, record by record
   std::priority_queue<Candidate> heap_;
   double error_ = 0;
   // Kept for their memory.
-  std::vector<Index> slots_, new_chords_, moved_chords_, neighbours_, affected_, segments_;
+  std::vector<Index> slots_, new_chords_, moved_chords_, neighbours_, affected_, moved_, bared_;
   mutable std::vector<Vec2> points_;
 };
 

@@ -31,6 +31,11 @@ class SlotChange {
 /// always be reached.
 inline constexpr double k_seam_share = 0.5;
 
+/// A patch that had vanished when a collapse took the side away that stood for it, though none of its slots.
+struct VanishedAtSplit {
+  Index split = 0, patch = 0;
+};
+
 struct SeamHierarchy {
   /// Split s takes the collapse back that was made as number n_splits - 1 - s.
   std::vector<VertexPair> splits;
@@ -38,8 +43,10 @@ struct SeamHierarchy {
   std::vector<float> errors;
   std::vector<Index> change_offsets{0};  ///< split s has changes [offsets[s], offsets[s + 1])
   std::vector<SlotChange> changes;       ///< in the order of the collapse
-  /// Why seams of the coarsest graph are still there: collapses that a loop in the way, a hole, or a patch
-  /// that touches itself forbade when they were last tried.
+  std::vector<VanishedAtSplit> vanished;
+  /// Why seams of the coarsest graph are still there: collapses that were forbidden when they were last
+  /// tried, by a loop in the way, a hole, a patch that touches itself, or because nothing would have been
+  /// left to be near to.
   std::size_t refused = 0;
 
   std::size_t n_splits() const { return splits.size(); }
@@ -51,8 +58,11 @@ struct SeamHierarchy {
 /// Collapses the graph as far as it goes, the cheapest first. The error of a collapse bounds, for all patches
 /// around it, the strip between trimming curve and chord, the distance of the surface along the chord from
 /// it, and how far the chord's ends are from the patch, together; for a patch that vanishes, its distance
-/// from the seams that are left beside it. Loops stay simple in parameters for any choice of splits that
-/// `VertexFront` can reach.
+/// from the seam between the slots of it that are left, then and whenever these move. Every seam that stands
+/// for something is a side of a patch that is left: two patches at least of what hangs together as a closed
+/// surface, one of a sheet. Loops stay simple in parameters for any choice of splits that `VertexFront` can
+/// reach, but for a patch of which a neighbour opens a closed hole again while its outline stays as coarse as
+/// it was without: `triangulate_patch` refuses it then, and `SeamTessellation` makes its seams finer.
 SeamHierarchy build_seam_hierarchy(const SeamGraph& graph, std::span<const PatchSurface> surfaces,
                                    Progress* progress = nullptr);
 

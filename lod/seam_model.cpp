@@ -259,8 +259,7 @@ PolygonSoup SeamTessellation::Impl::soup() const {
     }
     std::vector<Vec3> normals;
     const double side = model_.is_reversed[patch] ? -1 : 1;
-    for (const Vec2& uv : of_patch.uvs)
-      normals.push_back(side * surface_normal(model_.surfaces[patch].shape, uv));
+    for (const Vec2& uv : of_patch.uvs) normals.push_back(side * model_.surfaces[patch].shape.normal(uv));
     for (std::array<Index, 3> triangle : of_patch.triangles) {
       if (model_.is_reversed[patch]) std::swap(triangle[1], triangle[2]);
       soup.add_face(std::array<Index, 3>{points[triangle[0]], points[triangle[1]], points[triangle[2]]});

@@ -227,6 +227,16 @@ TEST(BezierPatches, OfAnUnclampedSplineCoverItsDomain) {
             k_rounding);
 }
 
+TEST(BezierPatches, HaveNormalsAtPolesThatAreTheLimitFromInside) {
+  const BezierPatches ball(test::ball(2));
+  for (double u = 0; u <= 4; u += 0.5) {
+    // The limit is taken a millionth of the domain away.
+    EXPECT_LT((ball.normal({u, 0}) - Vec3(0, 0, -1)).norm(), 1e-4) << u;
+    EXPECT_LT((ball.normal({u, 2}) - Vec3(0, 0, 1)).norm(), 1e-4) << u;
+    EXPECT_LT((ball.normal({u, 0.7}) - ball.evaluate({u, 0.7}) / 2).norm(), 1e-12);
+  }
+}
+
 TEST(Nurbs, ThatDontFitAreRefusedByName) {
   const auto refused = [](auto change, const std::string& reason) {
     NurbsCurve2 curve = test::unit_circle();

@@ -128,9 +128,8 @@ std::size_t count_inverted(const Tessellated& tested) {
     const Vec3 normal = (p[b] - p[a]).cross(p[c] - p[a]);
     bool is_inverted = true;
     for (const Index corner : {a, b, c})
-      is_inverted =
-          is_inverted && surface_normal(tested.surface.shape, tested.triangles.uvs[corner]).dot(normal) <
-                             -1e-6 * normal.norm();
+      is_inverted = is_inverted && tested.surface.shape.normal(tested.triangles.uvs[corner]).dot(normal) <
+                                       -1e-6 * normal.norm();
     inverted += is_inverted ? 1 : 0;
   }
   return inverted;
@@ -367,13 +366,32 @@ TEST(PatchTessellator, WorksFarFromTheOrigin) {
   EXPECT_LT(ball.triangles.triangles.size(), 2000u);
 }
 
-TEST(SurfaceNormal, IsTheLimitFromInsideAtPoles) {
-  const BezierPatches ball(test::ball(2));
-  for (double u = 0; u <= 4; u += 0.5) {
-    // The limit is taken a millionth of the domain away.
-    EXPECT_LT((surface_normal(ball, {u, 0}) - Vec3(0, 0, -1)).norm(), 1e-4) << u;
-    EXPECT_LT((surface_normal(ball, {u, 2}) - Vec3(0, 0, 1)).norm(), 1e-4) << u;
-    EXPECT_LT((surface_normal(ball, {u, 0.7}) - ball.evaluate({u, 0.7}) / 2).norm(), 1e-12);
+TEST(PatchTessellator, ProvesFineTolerancesWhereTrianglesAreWideInParametersAndNarrowInSpace) {
+  const double radius = 10;
+  for (const double tolerance : {0.3, 0.02, 0.002}) {
+    const PatchTriangles made = tessellate(whole(test::ball(radius)), tolerance).triangles;
+    EXPECT_TRUE(made.reached_tolerance) << tolerance;
+    EXPECT_LE(made.error_bound, tolerance);
+    for (const auto& [a, b, c] : made.triangles) {
+      // Triangles of a ball are inside of it, farthest at the middle of their circles or sides.
+      const Vec3 &p = made.positions[a], &q = made.positions[b], &r = made.positions[c];
+      for (const Vec3& point :
+           {Vec3((p + q) / 2), Vec3((q + r) / 2), Vec3((r + p) / 2), Vec3((p + q + r) / 3)})
+        EXPECT_GE(point.norm(), radius - tolerance);
+    }
+  }
+}
+
+TEST(PatchTessellator, DoesNotCrowdPointsAtPoles) {
+  const double tolerance = 0.002;
+  const PatchTriangles made = tessellate(whole(test::ball(10)), tolerance).triangles;
+  for (std::size_t i = 0; i < made.positions.size(); ++i) {
+    const double from_axis = made.positions[i].head<2>().norm();
+    // Halving the way to a pole again and again would come to 1e-9; a hundredth of the tolerance isn't
+    // needed.
+    if (from_axis > 1e-12) {
+      EXPECT_GT(from_axis, tolerance / 100) << i;
+    }
   }
 }
 

@@ -75,20 +75,19 @@ inline std::vector<TrimmedPatch> together(const std::vector<std::vector<TrimmedP
 struct NamedPatches {
   std::string name;
   std::vector<TrimmedPatch> patches;
-  std::size_t points_left = 1;  ///< on the coarsest level
+  std::size_t pieces = 1;  ///< that nothing but the inside of a patch holds together
 };
 
-/// All of them closed. Nothing but the inside of caps holds a bore to the outside, and a ball keeps both of
-/// its poles.
+/// All of them closed. Nothing but the inside of caps holds a bore to the outside.
 inline std::vector<NamedPatches> closed_models() {
   return {{"box", box_faces({3, 2, 1})},
           {"can", can(1, 2)},
-          {"ball", {whole(ball(1))}, 2},
+          {"ball", {whole(ball(1))}},
           {"ring", ring(1, 0.5, 0.7), 2},
           {"pillow", pillow(0.8)},
           {"tiled box", tiled_box({3, 2, 1}, 4)},
           {"two cans and a ball",
-           together({can(1, 2), moved(can(1, 1), {3, 0, 0}), {whole(ball(1, {0, 4, 0}))}}), 4}};
+           together({can(1, 2), moved(can(1, 1), {3, 0, 0}), {whole(ball(1, {0, 4, 0}))}}), 3}};
 }
 
 inline CadPart part_of(const std::vector<TrimmedPatch>& patches) {
