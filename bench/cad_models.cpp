@@ -4,6 +4,7 @@
 #include <recede/geometry/detail/cad_assembly.h>
 #include <recede/geometry/detail/cad_guard.h>
 #include <recede/geometry/error.h>
+#include <recede/lod/cad_hierarchy.h>
 
 #include <BRepTools.hxx>
 #include <fmt/format.h>
@@ -52,31 +53,11 @@ std::optional<std::vector<std::size_t>> match_faces(const detail::CadBody& body,
   return faces;
 }
 
-/// As `build_cad_hierarchy` has it.
-double diagonal_of(const CadModel& model) {
-  constexpr int k_samples = 8;
-  Box3 box;
-  for (const CadInstance& instance : model.instances) {
-    for (const TrimmedPatch& patch : model.parts[instance.part].patches) {
-      for (const TrimmingLoop& loop : patch.loops) {
-        for (const TrimmingCurve& curve : loop.curves) {
-          const ParameterRange range = curve.curve.domain();
-          for (int i = 0; i < k_samples; ++i) {
-            const Vec2 uv = evaluate(curve.curve, range.begin + range.length() * i / k_samples);
-            box.extend(instance.placement * evaluate(patch.surface, uv));
-          }
-        }
-      }
-    }
-  }
-  return box.isEmpty() ? 0 : box.diagonal().norm();
-}
-
 CadSubject load_file(const std::string& name, const fs::path& file) {
   CadSubject subject;
   subject.name = name;
   subject.model = read_cad(file);
-  subject.diagonal = diagonal_of(subject.model);
+  subject.diagonal = cad_diagonal(subject.model);
   const detail::CadGuard guard;
   const detail::CadDocument document = detail::read_cad_document(file, nullptr);
   const detail::CadAssembly assembly = detail::list_bodies(document, file.stem().string());

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <numbers>
@@ -26,7 +27,8 @@ struct BakeOptions {
   std::vector<std::string> maps;  // names
   std::string map_format = "png";
   std::optional<double> map_seam_weight;
-  SeamGraphOptions seams;  // of CAD files
+  SeamGraphOptions seams;          // of CAD files
+  std::vector<std::string> given;  // options by name, without those that choose levels
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
 
@@ -142,12 +144,19 @@ std::optional<MapOptions> map_options(const BakeOptions& options) {
                     .normal_bits = options.map_normal_bits};
 }
 
+// What has a meaning for CAD files; the last two for nothing else.
+constexpr std::array<std::string_view, 12> k_options_of_cad{
+    "input",  "--output", "--image-height", "--field-of-view", "--pixel-error", "--up",
+    "--json", "--quiet",  "--threads",      "--no-report",     "--gap",         "--no-connectivity"};
+
 void run_for_cad(const BakeOptions& options) {
   if (!options.hierarchy.ratios.empty())
     throw OptionError(
         "--ratios are of the input's faces; levels of CAD files have --errors or --relative-errors");
-  if (!options.maps.empty() || options.appearance)
-    throw OptionError("--maps are of meshes, not of CAD files");
+  for (const std::string& name : options.given) {
+    if (std::find(k_options_of_cad.begin(), k_options_of_cad.end(), name) == k_options_of_cad.end())
+      throw OptionError(name + " is for meshes, not for CAD files");
+  }
   CadBakeOptions cad{options.common,   options.input, options.output, options.up, {}, {}, {},
                      options.no_report};
   cad.hierarchy.errors = options.hierarchy.errors;
@@ -166,6 +175,9 @@ void run(BakeOptions options) {
     throw InputError::in_file(options.output, "isn't a folder");
   }
   if (is_cad_path(options.input)) return run_for_cad(options);
+  for (const std::string& name : options.given) {
+    if (name == "--gap" || name == "--no-connectivity") throw OptionError(name + " is for CAD files");
+  }
   TerminalProgress progress(options.common.quiet);
   HierarchyOptions& hierarchy_options = options.hierarchy;
   hierarchy_options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
@@ -281,7 +293,12 @@ void add_bake_command(CLI::App& app) {
   add_seam_options(*command, options->seams, "CAD files");
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
   add_common_options(*command, options->common);
-  command->callback([options] { run(*options); });
+  command->callback([options, command] {
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->count() > 0) options->given.push_back(option->get_name());
+    }
+    run(*options);
+  });
 }
 
 }  // namespace recede::cli

@@ -77,19 +77,6 @@ void add_seam_options(CLI::App& command, SeamGraphOptions& options, const std::s
       ->group(group);
 }
 
-void print_cad_remarks(const CadModel& model, const CommonOptions& options) {
-  for (const CadLeftOut& entry : model.left_out)
-    print_remark("left out: " + entry.entity + ": " + entry.reason, options);
-  for (const std::string& line : model.repairs) print_remark(line, options);
-}
-
-Json left_out_to_json(const CadModel& model) {
-  Json left_out = Json::array();
-  for (const CadLeftOut& entry : model.left_out)
-    left_out.push_back({{"entity", entry.entity}, {"reason", entry.reason}});
-  return left_out;
-}
-
 Json seams_to_json(const CadSeamReport& report, const std::vector<std::string>& names) {
   Json gaps = Json::array();
   for (const SeamGap& gap : report.seams.gaps) {

@@ -1,7 +1,7 @@
 // `recede bake` for CAD files.
 #pragma once
 
-#include "common.h"
+#include "cad_info.h"
 #include <recede/lod/cad_hierarchy.h>
 
 namespace recede::cli {
@@ -19,11 +19,8 @@ void add_seam_options(CLI::App& command, SeamGraphOptions& options, const std::s
 
 void bake_cad(CadBakeOptions options);
 
-/// What was left out of the model or mended to read it, a line each on standard error.
-void print_cad_remarks(const CadModel& model, const CommonOptions& options);
 /// Fields `part`, `patches`, `sewing_points`, `edges_of_file`, `edges_by_position`, `free_edges`,
 /// `crowded_edges`, `turned`, `largest_move` and `gaps`.
 Json seams_to_json(const CadSeamReport& report, const std::vector<std::string>& names);
-Json left_out_to_json(const CadModel& model);
 
 }  // namespace recede::cli

@@ -1,7 +1,5 @@
 #include "cad_info.h"
 
-#include <recede/geometry/cad_import.h>
-
 #include <algorithm>
 #include <map>
 
@@ -67,14 +65,11 @@ Json parts_to_json(const CadModel& model) {
 }
 
 void print_cad_json(const std::string& input, const CadModel& model, const CadSummary& summary) {
-  Json degrees = Json::array(), materials = Json::array(), left_out = Json::array();
+  Json degrees = Json::array(), materials = Json::array();
   for (const auto& [pair, patches] : summary.degrees) {
     degrees.push_back({{"u", pair[0]}, {"v", pair[1]}, {"patches", patches}});
   }
   for (const Material& material : model.materials) materials.push_back(material.name);
-  for (const CadLeftOut& entry : model.left_out) {
-    left_out.push_back({{"entity", entry.entity}, {"reason", entry.reason}});
-  }
   const Vec3 low = summary.box.min(), high = summary.box.max();
   print_json({{"command", "info"},
               {"input", input},
@@ -91,7 +86,7 @@ void print_cad_json(const std::string& input, const CadModel& model, const CadSu
               {"closed_parts", summary.closed_parts},
               {"box", {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}}},
               {"materials", materials},
-              {"left_out", left_out},
+              {"left_out", left_out_to_json(model)},
               {"repairs", model.repairs}});
 }
 
@@ -139,6 +134,28 @@ void print_cad_info(const std::string& input, const CommonOptions& common) {
   } else {
     print_cad_text(model, summary);
   }
+}
+
+Json left_out_to_json(const CadModel& model) {
+  Json left_out = Json::array();
+  for (const CadLeftOut& entry : model.left_out)
+    left_out.push_back({{"entity", entry.entity}, {"reason", entry.reason}});
+  return left_out;
+}
+
+void print_cad_remarks(const CadModel& model, const CommonOptions& options) {
+  // What is missing is more than what was mended.
+  constexpr std::size_t k_most_left_out = 20, k_most_repairs = 3;
+  const auto print = [&](const std::vector<std::string>& lines, std::size_t most) {
+    for (std::size_t i = 0; i < std::min(lines.size(), most); ++i) print_remark(lines[i], options);
+    if (lines.size() > most)
+      print_remark(fmt::format("and {} more of these (--json lists them)", lines.size() - most), options);
+  };
+  std::vector<std::string> left_out;
+  for (const CadLeftOut& entry : model.left_out)
+    left_out.push_back("left out: " + entry.entity + ": " + entry.reason);
+  print(left_out, k_most_left_out);
+  print(model.repairs, k_most_repairs);
 }
 
 }  // namespace recede::cli

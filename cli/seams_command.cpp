@@ -38,11 +38,7 @@ double bytes_per_point(const SeamModel& model) {
 // Lines of an OBJ file for the loops that are left at an error, one group for each patch.
 std::string lines_of(const PartSeams& seams, double error, std::size_t& first) {
   SeamFront front(seams.model.graph, seams.model.hierarchy);
-  if (error > 0) {
-    front.adapt(error);
-  } else {
-    front.adapt(std::numeric_limits<double>::min());
-  }
+  front.adapt(error);
   std::string text = fmt::format("o {}\n", seams.part->name);
   for (const Vec3& point : seams.model.graph.positions)
     text += fmt::format("v {} {} {}\n", point.x(), point.y(), point.z());

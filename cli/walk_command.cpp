@@ -26,7 +26,7 @@ struct WalkOptions {
 struct WalkFrame {
   double tolerance = std::numeric_limits<double>::infinity();
   double pixel_error = 0, milliseconds = 0;
-  std::size_t triangles = 0, patches = 0, tessellated = 0, culled = 0, postponed = 0, inverted = 0;
+  std::size_t triangles = 0, patches = 0, tessellated = 0, culled = 0, postponed = 0;
 };
 
 struct Walker {
@@ -59,7 +59,6 @@ WalkFrame walk_frame(const WalkOptions& options, const Vec3& eye, const Vec3& ta
     frame.tessellated += part.update.tessellated;
     frame.culled += part.culled_patches;
     frame.postponed += part.postponed;
-    frame.inverted += part.update.inverted;
   }
   if (frame.patches == 0) frame.tolerance = 0;
   return frame;

@@ -133,7 +133,7 @@ class CadLevels {
     for (const CadInstance& instance : model_.instances) append(parts[instance.part], instance, soup);
     report.seconds = seconds_since(start);
     level.simplify_seconds = report.seconds;
-    level.stop_reason = soups_.empty() ? "" : "error reached";
+    level.stop_reason = report.missed.empty() ? "error reached" : "error not reached everywhere";
     measure_samples(level);
     soups_.push_back(soup);
     level.mesh = repair_to_polygon_mesh(std::move(soup)).mesh;

@@ -88,19 +88,16 @@ void check_brep(const fs::path& path, const std::string& text) {
   if (!has_root(text)) fail(path, "is cut short: the number of its shape is missing");
 }
 
-CadDocument read_step(const fs::path& path, Progress* progress) {
-  STEPCAFControl_Controller::Init();
-  Interface_Static::SetCVal("xstep.cascade.unit", "MM");
-  Interface_Static::SetIVal("read.stepcaf.subshapes.name", 1);
-  STEPCAFControl_Reader reader;
+/// Shapes, names and colours of a STEP or IGES file, by OpenCASCADE's reader of its kind.
+template <typename Reader>
+CadDocument transfer(Reader& reader, const char* kind, const fs::path& path, Progress* progress) {
   reader.SetColorMode(true);
   reader.SetNameMode(true);
   reader.SetLayerMode(false);
-  reader.SetPropsMode(false);
   const std::string name = path.string();
   IFSelect_ReturnStatus status = IFSelect_RetFail;
   if (!survives([&] { status = reader.ReadFile(name.c_str()); }) || status != IFSelect_RetDone) {
-    fail(path, "can't be read as STEP");
+    fail(path, std::string("can't be read as ") + kind);
   }
   report_progress(progress, "read", 0.5);
   CadDocument read{new_document(), {}};
@@ -114,28 +111,20 @@ CadDocument read_step(const fs::path& path, Progress* progress) {
   return read;
 }
 
+CadDocument read_step(const fs::path& path, Progress* progress) {
+  STEPCAFControl_Controller::Init();
+  Interface_Static::SetCVal("xstep.cascade.unit", "MM");
+  Interface_Static::SetIVal("read.stepcaf.subshapes.name", 1);
+  STEPCAFControl_Reader reader;
+  reader.SetPropsMode(false);
+  return transfer(reader, "STEP", path, progress);
+}
+
 CadDocument read_iges(const fs::path& path, Progress* progress) {
   IGESControl_Controller::Init();
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
   IGESCAFControl_Reader reader;
-  reader.SetColorMode(true);
-  reader.SetNameMode(true);
-  reader.SetLayerMode(false);
-  const std::string name = path.string();
-  IFSelect_ReturnStatus status = IFSelect_RetFail;
-  if (!survives([&] { status = reader.ReadFile(name.c_str()); }) || status != IFSelect_RetDone) {
-    fail(path, "can't be read as IGES");
-  }
-  report_progress(progress, "read", 0.5);
-  CadDocument read{new_document(), {}};
-  const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
-  bool is_done = false;
-  if (!survives([&] { is_done = reader.Transfer(read.document, bridge->Start()); })) {
-    fail(path, "is damaged: OpenCASCADE can't make shapes of it");
-  }
-  report_progress(progress, "read", 1);
-  if (!is_done) fail(path, "holds no shape");
-  return read;
+  return transfer(reader, "IGES", path, progress);
 }
 
 CadDocument read_brep(const fs::path& path, const std::string& text, Progress* progress) {

@@ -73,6 +73,9 @@ TEST(CadBake, RefusesWhatHasNoMeaningForCadFiles) {
   EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--ratios", "0.5"}), 2),
               HasSubstr("--ratios"));
   EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--maps", "normal"}), 2), HasSubstr("--maps"));
+  EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--placement", "optimal"}), 2),
+              HasSubstr("--placement"));
+  EXPECT_THAT(complaint_of(run_recede({"bake", "sphere", "-o", out, "--gap", "1"}), 2), HasSubstr("--gap"));
   EXPECT_THAT(complaint_of(run_recede({"bake", box, "-o", out, "--errors", "2", "1"}), 2),
               HasSubstr("increase"));
   folder.write("cut.step", read_whole_file(box).substr(0, 3000));
