@@ -19,12 +19,14 @@ struct Prepared {
   std::vector<SeamModel> models;  // of the bodies
 };
 
-SeamGraphOptions graph_options(double deflection) { return {.tolerance = k_seam_share * deflection}; }
+SeamModelOptions model_options(double deflection) {
+  return {{.tolerance = k_seam_share * deflection}, {.largest_error = deflection}};
+}
 
 Prepared prepare(const CadSubject& subject, double deflection) {
   Prepared prepared;
   for (const CadBench& body : subject.bodies)
-    prepared.models.push_back(build_seam_model(subject.model.parts[body.part], graph_options(deflection)));
+    prepared.models.push_back(build_seam_model(subject.model.parts[body.part], model_options(deflection)));
   return prepared;
 }
 
@@ -92,7 +94,7 @@ void split_preparation(const CadSubject& subject, const CadRunOptions& options, 
     figures.surfaces.cpu += surfaces_timer.cpu();
     figures.surfaces.wall += surfaces_timer.wall();
     const CadTimer seams_timer;
-    build_seam_graph(part.patches, surfaces, graph_options(options.deflection));
+    build_seam_graph(part.patches, surfaces, model_options(options.deflection).seams);
     figures.seams.cpu += seams_timer.cpu();
     figures.seams.wall += seams_timer.wall();
   }

@@ -44,7 +44,7 @@ std::size_t count_triangles(const SeamModel& model, double tolerance) {
 std::vector<SizeFigures> measure_sizes(const CadSubject& subject) {
   std::vector<SeamModel> models;
   for (const CadPart& part : subject.model.parts)
-    models.push_back(build_seam_model(part, {.tolerance = k_setup_share * subject.diagonal}));
+    models.push_back(build_seam_model(part, {{.tolerance = k_setup_share * subject.diagonal}, {}}));
   std::vector<std::size_t> uses(models.size(), 0);
   for (const CadInstance& instance : subject.model.instances) ++uses[instance.part];
   std::vector<SeamTessellation> tessellations;

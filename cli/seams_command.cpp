@@ -105,7 +105,7 @@ void run(SeamsOptions options) {
   options.seams.tolerance = k_seam_share * error;
   std::vector<PartSeams> parts;
   for (const CadPart& part : model.parts) {
-    SeamModel made = build_seam_model(part, options.seams, &progress);
+    SeamModel made = build_seam_model(part, {options.seams, {}}, &progress);
     CadSeamReport report{part.name, made.graph.report, part.patches.size(), made.graph.positions.size(),
                          made.turned};
     parts.push_back({&part, std::move(made), std::move(report)});

@@ -101,7 +101,7 @@ void run(const WalkOptions& options) {
   seams.tolerance = k_seam_share * options.relative_error * diagonal;
   std::vector<SeamModel> parts;
   parts.reserve(model.parts.size());
-  for (const CadPart& part : model.parts) parts.push_back(build_seam_model(part, seams, &progress));
+  for (const CadPart& part : model.parts) parts.push_back(build_seam_model(part, {seams, {}}, &progress));
   std::vector<Walker> walkers;
   Box3 box;
   for (const CadInstance& instance : model.instances) {

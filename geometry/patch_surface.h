@@ -13,10 +13,11 @@ struct PatchSurface {
   BezierPatches shape;
   SurfaceBounds bounds;
 
-  explicit PatchSurface(const NurbsSurface& surface) : shape(surface), bounds(shape) {}
+  explicit PatchSurface(const NurbsSurface& surface, double finest = 0)
+      : shape(surface), bounds(shape, finest) {}
 };
 
-/// In parallel. Throws `InputError` that names the patch.
-std::vector<PatchSurface> prepare_surfaces(std::span<const TrimmedPatch> patches);
+/// In parallel. `finest`: of `SurfaceBounds`. Throws `InputError` that names the patch.
+std::vector<PatchSurface> prepare_surfaces(std::span<const TrimmedPatch> patches, double finest = 0);
 
 }  // namespace recede

@@ -18,6 +18,7 @@ constexpr double k_near_enough = 1.5;     // a bound over what was met
 constexpr double k_for_rounding = 1e-12;  // added to bounds, relative
 constexpr double k_float_step = 2e-7;     // more than a step of single precision
 constexpr double k_most_nodes = 1 << 18;  // about, of one surface
+constexpr double k_least_finest = 1e-6;   // of the size: what is looked at at all
 constexpr int k_most_halvings = 12;       // of a Bezier patch
 
 double deviation_of(const DerivativeBounds& bounds, double width, double height) {
@@ -134,7 +135,7 @@ class SurfaceBounds::Builder {
       }
     }
     bounds.origin_ = box.center();
-    unimportant_ = finest * box.diagonal().norm();
+    unimportant_ = std::max(finest, k_least_finest * box.diagonal().norm());
     const double n_patches = static_cast<double>(surface.n_patches(0) * surface.n_patches(1));
     most_halvings_ =
         std::clamp(static_cast<int>(std::log2(k_most_nodes / n_patches)) - 1, 0, k_most_halvings);

@@ -31,8 +31,9 @@ struct DeviationBound {
 
 class SurfaceBounds {
  public:
-  /// Deviations below the share `finest` of the surface's size aren't looked at more closely.
-  explicit SurfaceBounds(const BezierPatches& surface, double finest = 1e-6);
+  /// Deviations below `finest`, in units of the surface, aren't looked at more closely. 0: a millionth of its
+  /// size.
+  explicit SurfaceBounds(const BezierPatches& surface, double finest = 0);
 
   /// Holds the surface over a part of its domain.
   Box3 box(const ParameterBox& part) const;

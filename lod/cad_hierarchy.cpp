@@ -95,10 +95,11 @@ class CadLevels {
     for (std::size_t i = 0; i < model_.parts.size(); ++i) {
       const CadPart& part = model_.parts[i];
       report_progress(progress_, "parts", static_cast<double>(i) / static_cast<double>(model_.parts.size()));
-      SeamGraphOptions options;
-      options.tolerance = k_seam_share * errors_.front() / scales_[i];
-      options.gap = options_.gap / scales_[i];
-      options.use_connectivity = options_.use_connectivity;
+      SeamModelOptions options;
+      options.seams.tolerance = k_seam_share * errors_.front() / scales_[i];
+      options.seams.gap = options_.gap / scales_[i];
+      options.seams.use_connectivity = options_.use_connectivity;
+      options.hierarchy.largest_error = errors_.back() / scales_[i];
       models_.push_back(build_seam_model(part, options));
       const SeamModel& made = models_.back();
       result_.parts.push_back(

@@ -17,9 +17,10 @@ using detail::ActiveLoops;
 
 class SeamCollapser {
  public:
-  SeamCollapser(const SeamGraph& graph, std::span<const PatchSurface> surfaces)
+  SeamCollapser(const SeamGraph& graph, std::span<const PatchSurface> surfaces, double largest_error)
       : graph_(graph),
         surfaces_(surfaces),
+        largest_error_(largest_error),
         loops_(graph),
         moves_(graph.slots.size()),
         chords_(graph.slots.size()),
@@ -48,7 +49,7 @@ class SeamCollapser {
 
  private:
   void work_off(Progress* progress) {
-    while (!heap_.empty()) {
+    while (!heap_.empty() && heap_.top().error <= largest_error_) {
       const Candidate next = heap_.top();
       heap_.pop();
       if (next.stamp != stamps_[next.removed]) continue;
@@ -495,6 +496,7 @@ class SeamCollapser {
 
   const SeamGraph& graph_;
   std::span<const PatchSurface> surfaces_;
+  double largest_error_;
   ActiveLoops loops_;
   std::vector<double> moves_;  // by slot: from its patch to its vertex
   std::vector<Chord> chords_;  // by active slot
@@ -516,10 +518,11 @@ class SeamCollapser {
 }  // namespace
 
 SeamHierarchy build_seam_hierarchy(const SeamGraph& graph, std::span<const PatchSurface> surfaces,
-                                   Progress* progress) {
+                                   const SeamHierarchyOptions& options, Progress* progress) {
+  if (!(options.largest_error >= 0)) throw OptionError("the largest error of a hierarchy is at least 0");
   if (surfaces.size() != graph.n_patches())
     throw OptionError("a Seam Graph needs the surfaces of its patches");
-  return SeamCollapser(graph, surfaces).run(progress);
+  return SeamCollapser(graph, surfaces, options.largest_error).run(progress);
 }
 
 }  // namespace recede

@@ -9,6 +9,7 @@
 #include <recede/lod/seam_graph.h>
 #include <recede/lod/vertex_hierarchy.h>
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,11 @@ struct SeamHierarchy {
   }
 };
 
+struct SeamHierarchyOptions {
+  /// Collapses that only coarser levels than these need aren't made.
+  double largest_error = std::numeric_limits<double>::infinity();
+};
+
 /// Collapses the graph as far as it goes, the cheapest first. The error of a collapse bounds, for all patches
 /// around it, the strip between trimming curve and chord, the distance of the surface along the chord from
 /// it, and how far the chord's ends are from the patch, together; for a patch that vanishes, its distance
@@ -64,6 +70,6 @@ struct SeamHierarchy {
 /// reach, but for a patch of which a neighbour opens a closed hole again while its outline stays as coarse as
 /// it was without: `triangulate_patch` refuses it then, and `SeamTessellation` makes its seams finer.
 SeamHierarchy build_seam_hierarchy(const SeamGraph& graph, std::span<const PatchSurface> surfaces,
-                                   Progress* progress = nullptr);
+                                   const SeamHierarchyOptions& options = {}, Progress* progress = nullptr);
 
 }  // namespace recede

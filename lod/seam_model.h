@@ -24,9 +24,14 @@ struct SeamModel {
   double size = 0;  ///< the diagonal of the box of all sewing points
 };
 
+struct SeamModelOptions {
+  SeamGraphOptions seams;
+  SeamHierarchyOptions hierarchy;
+};
+
 /// Surfaces, Seam Graph and hierarchy. Neighbours get fronts that agree, where seams of two patches can tell;
 /// the larger part of those that hang together keeps its own.
-SeamModel build_seam_model(const CadPart& part, const SeamGraphOptions& options = {},
+SeamModel build_seam_model(const CadPart& part, const SeamModelOptions& options = {},
                            Progress* progress = nullptr);
 
 /// What an update of triangles did and what it reached.

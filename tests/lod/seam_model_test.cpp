@@ -18,7 +18,7 @@ using test::part_of;
 SeamModel model_of(const std::vector<TrimmedPatch>& patches, double tolerance = 0) {
   SeamGraphOptions options;
   options.tolerance = tolerance;
-  return build_seam_model(part_of(patches), options);
+  return build_seam_model(part_of(patches), {options, {}});
 }
 
 TEST(SeamModel, OfABoxHasTwelveTrianglesOnTheFinestLevelAndTwoOnTheCoarsest) {
@@ -191,7 +191,7 @@ TEST(SeamModel, RefusesTolerancesThatAreNoneOrOfOtherPatches) {
   EXPECT_THROW(tessellation.update(std::vector<double>(5, 0.1)), OptionError);
   SeamGraphOptions options;
   options.tolerance = -1;
-  EXPECT_THROW(build_seam_model(part_of(test::box_faces({1, 1, 1})), options), OptionError);
+  EXPECT_THROW(build_seam_model(part_of(test::box_faces({1, 1, 1})), {options, {}}), OptionError);
 }
 
 TEST(SeamModel, OfNothingIsNothing) {
