@@ -8,6 +8,8 @@ namespace recede::detail {
 namespace {
 
 constexpr int k_most_halvings = 16;
+// Of a tolerance.
+constexpr double k_share_of_curved = 0.6, k_share_of_straight = 0.75, k_share_of_flat = 0.95;
 
 // The control points of a use between two shares, times weights, in the edge's direction.
 using CurveNet = std::vector<Vec3>;
@@ -85,10 +87,10 @@ CurveNet net_between(const SeamCurve& use, double from, double to) {
   return net;
 }
 
-std::array<CurveNet, 2> halves(const CurveNet& net) {
+std::array<CurveNet, 2> divided(const CurveNet& net, double at) {
   CurveNet left = net, right = net;
   for (std::size_t round = 1; round < net.size(); ++round) {
-    for (std::size_t i = 0; i + round < net.size(); ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+    for (std::size_t i = 0; i + round < net.size(); ++i) right[i] = (1 - at) * right[i] + at * right[i + 1];
     left[round] = right[0];
   }
   return {left, right};
@@ -106,46 +108,97 @@ class EdgeSampler {
       result_[k].uvs.push_back(evaluate(*uses_[k].curve, result_[k].parameters[0]));
     }
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-      std::vector<CurveNet> nets;
+      Nets nets;
       for (const SeamCurve& use : uses_) {
         nets.push_back(
             net_between(use, parameter_at(use, breaks[i], true), parameter_at(use, breaks[i + 1], false)));
       }
-      const double end = i + 2 < breaks.size() ? breaks[i + 1].first : 1;
-      add(nets, {i > 0 ? breaks[i].first : 0, end}, k_most_halvings);
+      const double begin = i > 0 ? breaks[i].first : 0, end = i + 2 < breaks.size() ? breaks[i + 1].first : 1;
+      for (const Chord& chord : chords_of(nets, {begin, end}, k_most_halvings)) add(chord);
     }
     return std::move(result_);
   }
 
  private:
-  // Adds the points of a piece without its first.
-  void add(const std::vector<CurveNet>& nets, const ParameterRange& shares, int halvings_left) {
-    std::vector<double> widths;
-    bool is_good = true;
+  using Nets = std::vector<CurveNet>;  // of a piece of the edge, by use
+
+  struct Chord {
+    double end;  // as share of the edge
+    double error = 0;
+    std::vector<Vec2> ends;      // by use
+    std::vector<double> widths;  // by use
+  };
+
+  Chord chord_of(const Nets& nets, double end) const {
+    Chord chord{end, 0, {}, {}};
     for (std::size_t k = 0; k < uses_.size(); ++k) {
       std::vector<Vec2> points;
       for (const Vec3& point : nets[k]) points.push_back(projected(point));
-      const SurfaceBounds& bounds = uses_[k].surface->bounds;
-      widths.push_back(strip_width(bounds, points, points.front(), points.back()));
-      is_good = is_good && widths.back() + bounds.deviation(points.front(), points.back()) <= tolerance_;
+      const PatchSurface& surface = *uses_[k].surface;
+      chord.ends.push_back(points.back());
+      chord.widths.push_back(strip_width(surface.bounds, points, points.front(), points.back()));
+      chord.error =
+          std::max(chord.error, seam_error(surface.bend, chord.widths.back(),
+                                           surface.bounds.deviation(points.front(), points.back())));
     }
-    if (is_good || halvings_left == 0) {
-      for (std::size_t k = 0; k < uses_.size(); ++k) {
-        result_[k].parameters.push_back(parameter_at(uses_[k], shares.end));
-        result_[k].uvs.push_back(projected(nets[k].back()));
-        result_[k].widths.push_back(widths[k]);
-      }
-      return;
-    }
-    std::vector<CurveNet> left, right;
-    for (const CurveNet& net : nets) {
-      std::array<CurveNet, 2> both = halves(net);
-      left.push_back(std::move(both[0]));
-      right.push_back(std::move(both[1]));
-    }
+    return chord;
+  }
+
+  // The fewest of equal parts of a piece, or of those of its halves.
+  std::vector<Chord> chords_of(const Nets& nets, const ParameterRange& shares, int halvings_left) const {
+    const Chord whole = chord_of(nets, shares.end);
+    if (whole.error <= tolerance_ || halvings_left == 0) return {whole};
+    const auto [left, right] = divided_all(nets, 0.5);
     const double middle = (shares.begin + shares.end) / 2;
-    add(left, {shares.begin, middle}, halvings_left - 1);
-    add(right, {middle, shares.end}, halvings_left - 1);
+    std::vector<Chord> chords = chords_of(left, {shares.begin, middle}, halvings_left - 1);
+    const std::vector<Chord> others = chords_of(right, {middle, shares.end}, halvings_left - 1);
+    chords.insert(chords.end(), others.begin(), others.end());
+    for (std::size_t n = fewest_parts(whole.error); n < chords.size(); ++n) {
+      std::vector<Chord> parts = equal_parts(nets, shares, n);
+      if (parts.size() == n) return parts;
+    }
+    return chords;
+  }
+
+  // Errors grow with squares of lengths, but not alike everywhere.
+  std::size_t fewest_parts(double error) const {
+    constexpr double k_for_unlike = 0.75;
+    const double parts = k_for_unlike * std::sqrt(error / tolerance_);
+    return parts < 3 ? 3 : static_cast<std::size_t>(std::min(parts, 1e6));
+  }
+
+  // Fewer than n where one of them isn't good enough.
+  std::vector<Chord> equal_parts(const Nets& nets, const ParameterRange& shares, std::size_t n) const {
+    std::vector<Chord> parts;
+    Nets rest = nets;
+    for (std::size_t i = 1; i <= n; ++i) {
+      const double end =
+          i < n ? shares.begin + shares.length() * static_cast<double>(i) / static_cast<double>(n)
+                : shares.end;
+      Nets part = rest;
+      if (i < n) std::tie(part, rest) = divided_all(rest, 1.0 / static_cast<double>(n - i + 1));
+      parts.push_back(chord_of(part, end));
+      if (!(parts.back().error <= tolerance_)) return {};
+    }
+    return parts;
+  }
+
+  static std::pair<Nets, Nets> divided_all(const Nets& nets, double at) {
+    std::pair<Nets, Nets> both;
+    for (const CurveNet& net : nets) {
+      std::array<CurveNet, 2> parts = divided(net, at);
+      both.first.push_back(std::move(parts[0]));
+      both.second.push_back(std::move(parts[1]));
+    }
+    return both;
+  }
+
+  void add(const Chord& chord) {
+    for (std::size_t k = 0; k < uses_.size(); ++k) {
+      result_[k].parameters.push_back(parameter_at(uses_[k], chord.end));
+      result_[k].uvs.push_back(chord.ends[k]);
+      result_[k].widths.push_back(chord.widths[k]);
+    }
   }
 
   std::span<const SeamCurve> uses_;
@@ -168,6 +221,13 @@ SampledUse sampled_at(const SeamCurve& use, std::span<const double> shares) {
 }
 
 }  // namespace
+
+double seam_error(SurfaceBend bend, double strip, double deviation) {
+  const double error = strip + deviation;
+  if (bend == SurfaceBend::none) return error / k_share_of_flat;
+  if (bend == SurfaceBend::one_way && strip == 0) return error / k_share_of_straight;
+  return error / k_share_of_curved;
+}
 
 std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces) {
   return EdgeSampler(uses, tolerance).run(least_pieces);

@@ -30,7 +30,7 @@ Box3 box_of(std::span<const PatchSurface> surfaces) {
 SeamGraphOptions completed(SeamGraphOptions options, std::span<const PatchSurface> surfaces) {
   if (!(options.tolerance >= 0 && options.gap >= 0)) throw OptionError("tolerances of seams are at least 0");
   if (options.tolerance == 0) options.tolerance = k_default_tolerance * box_of(surfaces).diagonal().norm();
-  if (options.gap == 0) options.gap = options.tolerance;
+  if (options.gap == 0) options.gap = options.tolerance / 2;
   return options;
 }
 
@@ -159,8 +159,7 @@ class GraphBuilder {
       const std::size_t at = run.runs_against ? last - k : k;
       graph_.slots.push_back({run.points.uvs[at], vertex_of(i, at)});
       const double width = run.points.widths[run.runs_against ? at - 1 : at];
-      graph_.widths.push_back(
-          std::nextafter(static_cast<float>(width), std::numeric_limits<float>::infinity()));
+      graph_.widths.push_back(width > 0 ? detail::rounded_up(width) : 0);
     }
   }
 

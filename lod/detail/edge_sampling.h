@@ -25,9 +25,15 @@ struct SampledUse {
   std::vector<double> widths;
 };
 
-/// Samples all uses at equal shares of their ranges, so that between two points each of them, and its surface
-/// along the straight line of parameters, is within `tolerance` of the straight line in space. At least
-/// `least_pieces` pieces. Refines at most to 2^16 pieces between knots; `widths` says what was reached.
+/// The tolerance of triangles for which a chord is fine enough that has a strip of a width between itself and
+/// the trimming curve, and is as far from its surface as `deviation` says. What that leaves of the tolerance
+/// is for the inside of the patch, so that it can always be reached: little where all bends are along the
+/// chord.
+double seam_error(SurfaceBend bend, double strip, double deviation);
+
+/// Samples all uses at equal shares of their ranges, so that the `seam_error` between two points is within
+/// `tolerance` for each of them. At least `least_pieces` pieces. Refines at most to 2^16 pieces between
+/// knots; `widths` says what was reached.
 std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces);
 
 /// The same for uses that run along one another at speeds of their own: each one's points are projected on to
