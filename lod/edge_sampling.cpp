@@ -8,8 +8,8 @@ namespace recede::detail {
 namespace {
 
 constexpr int k_most_halvings = 16;
-// Of a tolerance.
-constexpr double k_share_of_curved = 0.6, k_share_of_straight = 0.75, k_share_of_flat = 0.95;
+// What seams may take of a tolerance, and chords alone of curved surfaces.
+constexpr double k_share_of_all = 1 - k_for_sewing, k_share_of_straight = 0.75, k_share_of_curved = 0.6;
 
 // The control points of a use between two shares, times weights, in the edge's direction.
 using CurveNet = std::vector<Vec3>;
@@ -223,10 +223,10 @@ SampledUse sampled_at(const SeamCurve& use, std::span<const double> shares) {
 }  // namespace
 
 double seam_error(SurfaceBend bend, double strip, double deviation) {
-  const double error = strip + deviation;
-  if (bend == SurfaceBend::none) return error / k_share_of_flat;
-  if (bend == SurfaceBend::one_way && strip == 0) return error / k_share_of_straight;
-  return error / k_share_of_curved;
+  const double share = bend == SurfaceBend::none      ? k_share_of_all
+                       : bend == SurfaceBend::one_way ? k_share_of_straight
+                                                      : k_share_of_curved;
+  return std::max((strip + deviation) / k_share_of_all, deviation / share);
 }
 
 std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces) {

@@ -140,7 +140,7 @@ class SeamTessellation::Impl {
     }
     for (std::size_t patch = 0; patch < seams.size(); ++patch) {
       result.tightened += is_tightened[patch];
-      count(patch, result);
+      count(patch, tolerances[patch], result);
     }
     for (std::size_t split = 0; split < model_.hierarchy.n_splits(); ++split) {
       if (front_.is_applied(split)) continue;
@@ -203,14 +203,14 @@ class SeamTessellation::Impl {
     return triangles_[patch].reached_tolerance && triangles_[patch].inverted == 0;
   }
 
-  void count(std::size_t patch, SeamUpdate& result) const {
+  void count(std::size_t patch, double tolerance, SeamUpdate& result) const {
     if (front_.has_vanished(patch)) return;
     const PatchTriangles& triangles = triangles_[patch];
     ++result.patches;
     result.triangles += triangles.triangles.size();
     result.inverted += triangles.inverted;
     result.error_bound = std::max(result.error_bound, triangles.error_bound);
-    if (!triangles.reached_tolerance) result.refused.push_back(static_cast<Index>(patch));
+    if (!(triangles.error_bound <= tolerance)) result.refused.push_back(static_cast<Index>(patch));
   }
 
   std::vector<double> made_for_;  // by patch: the tolerance of its triangles

@@ -26,9 +26,10 @@ struct SampledUse {
 };
 
 /// The tolerance of triangles for which a chord is fine enough that has a strip of a width between itself and
-/// the trimming curve, and is as far from its surface as `deviation` says. What that leaves of the tolerance
-/// is for the inside of the patch, so that it can always be reached: little where all bends are along the
-/// chord.
+/// the trimming curve, and is as far from its surface as `deviation` says. Triangles beside it are no nearer
+/// to the surface, and where that bends in more than one way they need some of the tolerance for themselves.
+/// A share of the tolerance is left for what sewing moves.
+inline constexpr double k_for_sewing = 0.05;
 double seam_error(SurfaceBend bend, double strip, double deviation);
 
 /// Samples all uses at equal shares of their ranges, so that the `seam_error` between two points is within
