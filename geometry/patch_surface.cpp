@@ -9,7 +9,7 @@ namespace recede {
 namespace {
 
 SurfaceBend bend_of(const SurfaceBounds& bounds, const ParameterBox& domain) {
-  constexpr double k_nothing = 1e-9;  // of its size: what is rounding
+  constexpr double k_nothing = 1e-12;  // of its size: what is rounding
   const DerivativeBounds most = bounds.derivatives(domain);
   const double width = domain.sizes().x(), height = domain.sizes().y();
   const double size = width * most.u + height * most.v;

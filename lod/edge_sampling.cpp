@@ -1,3 +1,4 @@
+#include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/edge_sampling.h>
 
 #include <algorithm>
@@ -96,6 +97,48 @@ std::array<CurveNet, 2> divided(const CurveNet& net, double at) {
   return {left, right};
 }
 
+double flat_width(const BezierPatches& plane, std::span<const Vec2> points, const Vec2& from,
+                  const Vec2& to) {
+  const Vec3 start = plane.evaluate(from), end = plane.evaluate(to);
+  double widest = 0;
+  for (const Vec2& point : points) {
+    const Vec3 there = plane.evaluate(point);
+    widest = std::max(widest, (there - closest_point_on_segment(there, start, end)).norm());
+  }
+  return widest;
+}
+
+double bounded_width(const DerivativeBounds& most, std::span<const Vec2> points, const Vec2& from,
+                     const Vec2& to) {
+  const Vec2 scale(most.u, most.v);
+  const Vec2 chord = (to - from).cwiseProduct(scale);
+  const double squared = chord.squaredNorm();
+  double widest = 0;
+  for (const Vec2& point : points) {
+    const Vec2 away = (point - from).cwiseProduct(scale);
+    const double share = squared > 0 ? std::clamp(away.dot(chord) / squared, 0.0, 1.0) : 0.0;
+    widest = std::max(widest, (away - share * chord).lpNorm<1>());
+  }
+  return widest;
+}
+
+// The distance from a chord is convex, and nothing at its ends: a curve is nearer than its control points by
+// the largest share that those between the ends have in a point of it.
+double curve_share(const CurveNet& net) {
+  const double of_ends = std::exp2(2.0 - static_cast<double>(net.size()));  // without weights, at least
+  double least_end = std::min(net.front().z(), net.back().z()), most_between = 0;
+  for (std::size_t i = 1; i + 1 < net.size(); ++i) most_between = std::max(most_between, net[i].z());
+  const double between = most_between * (1 - of_ends), ends = least_end * of_ends;
+  return between / (between + ends);
+}
+
+// Of the strip between a curve and the chord of its ends.
+double curve_width(const PatchSurface& surface, const CurveNet& net) {
+  std::vector<Vec2> points;
+  for (const Vec3& point : net) points.push_back(projected(point));
+  return curve_share(net) * strip_width(surface, points, points.front(), points.back());
+}
+
 class EdgeSampler {
  public:
   EdgeSampler(std::span<const SeamCurve> uses, double tolerance)
@@ -132,14 +175,12 @@ class EdgeSampler {
   Chord chord_of(const Nets& nets, double end) const {
     Chord chord{end, 0, {}, {}};
     for (std::size_t k = 0; k < uses_.size(); ++k) {
-      std::vector<Vec2> points;
-      for (const Vec3& point : nets[k]) points.push_back(projected(point));
       const PatchSurface& surface = *uses_[k].surface;
-      chord.ends.push_back(points.back());
-      chord.widths.push_back(strip_width(surface.bounds, points, points.front(), points.back()));
-      chord.error =
-          std::max(chord.error, seam_error(surface.bend, chord.widths.back(),
-                                           surface.bounds.deviation(points.front(), points.back())));
+      const double width = curve_width(surface, nets[k]);
+      chord.ends.push_back(projected(nets[k].back()));
+      chord.widths.push_back(width);
+      const double deviation = surface.bounds.deviation(projected(nets[k].front()), chord.ends.back());
+      chord.error = std::max(chord.error, seam_error(surface.bend, width, deviation));
     }
     return chord;
   }
@@ -212,10 +253,8 @@ SampledUse sampled_at(const SeamCurve& use, std::span<const double> shares) {
     result.parameters.push_back(parameter_at(use, shares[i]));
     result.uvs.push_back(evaluate(*use.curve, result.parameters.back()));
     if (i == 0) continue;
-    std::vector<Vec2> points;
-    for (const Vec3& point : net_between(use, result.parameters[i - 1], result.parameters[i]))
-      points.push_back(projected(point));
-    result.widths.push_back(strip_width(use.surface->bounds, points, result.uvs[i - 1], result.uvs[i]));
+    result.widths.push_back(
+        curve_width(*use.surface, net_between(use, result.parameters[i - 1], result.parameters[i])));
   }
   return result;
 }
@@ -307,7 +346,7 @@ std::vector<SampledUse> sample_matched_edge(std::span<const SeamCurve> uses, dou
   return result;
 }
 
-double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, const Vec2& from,
+double strip_width(const PatchSurface& surface, std::span<const Vec2> points, const Vec2& from,
                    const Vec2& to) {
   ParameterBox around;
   around.extend(from);
@@ -317,17 +356,9 @@ double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, co
   // On the chord already: parallel to an axis.
   if (around.contains(chord_box) && chord_box.contains(around) && (around.sizes().array() == 0).any())
     return 0;
-  const DerivativeBounds most = bounds.derivatives(around);
-  const Vec2 scale(most.u, most.v);
-  const Vec2 chord = (to - from).cwiseProduct(scale);
-  const double squared = chord.squaredNorm();
-  double widest = 0;
-  for (const Vec2& point : points) {
-    const Vec2 away = (point - from).cwiseProduct(scale);
-    const double share = squared > 0 ? std::clamp(away.dot(chord) / squared, 0.0, 1.0) : 0.0;
-    widest = std::max(widest, (away - share * chord).lpNorm<1>());
-  }
-  return widest;
+  return surface.bend == SurfaceBend::none
+             ? flat_width(surface.shape, points, from, to)
+             : bounded_width(surface.bounds.derivatives(around), points, from, to);
 }
 
 }  // namespace recede::detail

@@ -110,12 +110,12 @@ class SeamCollapser {
   }
 
   Chord chord_from(Index slot) const {
-    const SurfaceBounds& bounds = surfaces_[patch_of(slot)].bounds;
+    const PatchSurface& surface = surfaces_[patch_of(slot)];
     detail::points_to_next(graph_, loops_, slot, points_);
     Chord chord;
     for (const Vec2& point : points_) chord.box.extend(point);
-    chord.strip = detail::strip_to_next(graph_, loops_, slot, points_, bounds);
-    chord.deviation = bounds.deviation(points_.front(), points_.back());
+    chord.strip = detail::strip_to_next(graph_, loops_, slot, points_, surface);
+    chord.deviation = surface.bounds.deviation(points_.front(), points_.back());
     return chord;
   }
 
@@ -357,8 +357,7 @@ class SeamCollapser {
     const auto slots = graph_.loop(loop);
     std::vector<Vec2> points;
     for (const SeamSlot& slot : slots) points.push_back(slot.uv);
-    return detail::strip_width(surfaces_[patch_of_loop_[loop]].bounds, points, points[0],
-                               points[points.size() / 2]);
+    return detail::strip_width(surfaces_[patch_of_loop_[loop]], points, points[0], points[points.size() / 2]);
   }
 
   void queue(Index vertex) {

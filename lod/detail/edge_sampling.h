@@ -59,9 +59,10 @@ Foot foot_on(const Polyline& line, const Vec3& point);
 /// A few steps of Newton's method from near the foot of a point on a use, within its range.
 double nearest_parameter(const SeamCurve& use, double t, const Vec3& point);
 
-/// How far the points of a curve or line are from the chord between `from` and `to` in space, at most: by the
-/// lengths of derivatives of the surface over all of them, times the difference of parameters.
-double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, const Vec2& from,
+/// How far the points of a poly-line are from the chord between `from` and `to` in space, at most: by the
+/// lengths of derivatives of the surface over all of them, times the difference of parameters. On a flat
+/// surface the distance itself.
+double strip_width(const PatchSurface& surface, std::span<const Vec2> points, const Vec2& from,
                    const Vec2& to);
 
 }  // namespace recede::detail
