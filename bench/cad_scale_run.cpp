@@ -119,8 +119,8 @@ CostFigures measure_cost(const std::vector<CadPart>& parts, double tolerance) {
     figures.collapses += collapses_timer.cpu();
     figures.patches += graph.n_patches();
     figures.points += graph.positions.size();
-    figures.graph_bytes += bytes_of(graph.positions) + bytes_of(graph.slots) + bytes_of(graph.widths) +
-                           bytes_of(graph.loop_offsets) + bytes_of(graph.patch_loops);
+    figures.graph_bytes += bytes_of(graph.positions) + bytes_of(graph.slots) + bytes_of(graph.loop_offsets) +
+                           bytes_of(graph.patch_loops);
     figures.hierarchy_bytes += bytes_of(hierarchy.splits) + bytes_of(hierarchy.errors) +
                                bytes_of(hierarchy.change_offsets) + bytes_of(hierarchy.changes);
   }

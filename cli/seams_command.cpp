@@ -27,8 +27,7 @@ struct PartSeams {
 double bytes_per_point(const SeamModel& model) {
   const SeamGraph& graph = model.graph;
   const SeamHierarchy& levels = model.hierarchy;
-  const std::size_t bytes = graph.positions.size() * sizeof(Vec3) +
-                            graph.slots.size() * (sizeof(SeamSlot) + sizeof(float)) +
+  const std::size_t bytes = graph.positions.size() * sizeof(Vec3) + graph.slots.size() * sizeof(SeamSlot) +
                             levels.n_splits() * (sizeof(VertexPair) + sizeof(float) + sizeof(Index)) +
                             levels.changes.size() * sizeof(SlotChange);
   return graph.positions.empty() ? 0
@@ -47,8 +46,8 @@ std::string lines_of(const PartSeams& seams, double error, std::size_t& first) {
     if (!loops.empty()) text += fmt::format("g {}\n", seams.model.names[patch]);
     for (const SeamLoop& loop : loops) {
       text += "l";
-      for (const SeamSlot& slot : loop.slots) text += fmt::format(" {}", first + slot.vertex);
-      text += fmt::format(" {}\n", first + loop.slots.front().vertex);
+      for (const SeamSlot& slot : loop) text += fmt::format(" {}", first + slot.vertex);
+      text += fmt::format(" {}\n", first + loop.front().vertex);
     }
   }
   first += seams.model.graph.positions.size();

@@ -67,15 +67,15 @@ class PatchRefiner {
   void take_loops() {
     for (const SeamLoop& loop : loops_) {
       const auto first = static_cast<Index>(result_.uvs.size());
-      for (std::size_t i = 0; i < loop.slots.size(); ++i) {
+      for (std::size_t i = 0; i < loop.size(); ++i) {
         const auto here = static_cast<Index>(result_.uvs.size());
-        const SeamSlot& slot = loop.slots[i];
-        edges_.push_back({here, i + 1 < loop.slots.size() ? here + 1 : first});
+        const SeamSlot& slot = loop[i];
+        edges_.push_back({here, i + 1 < loop.size() ? here + 1 : first});
         result_.uvs.push_back(slot.uv);
         result_.positions.push_back(positions_[slot.vertex]);
         vertices_.push_back(slot.vertex);
         moves_.push_back((surface_.shape.evaluate(slot.uv) - result_.positions.back()).norm());
-        widths_.push_back(static_cast<double>(loop.widths[i]));
+        widths_.push_back(static_cast<double>(slot.width));
         domain_.extend(slot.uv);
       }
     }

@@ -31,7 +31,7 @@ double strip_to_next(const SeamGraph& graph, const ActiveLoops& loops, Index slo
                      const std::vector<Vec2>& points, const PatchSurface& surface) {
   double width = 0;
   each_to_next(graph, loops, slot,
-               [&](Index at) { width = std::max(width, static_cast<double>(graph.widths[at])); });
+               [&](Index at) { width = std::max(width, static_cast<double>(graph.slots[at].width)); });
   return points.size() == 2 ? width : width + strip_width(surface, points, points.front(), points.back());
 }
 

@@ -80,11 +80,12 @@ class SeamFront::Impl {
       SeamLoop loop;
       Index slot = start;
       do {
-        loop.slots.push_back({graph_.slots[slot].uv, loops_.vertex(slot)});
         detail::points_to_next(graph_, loops_, slot, points);
-        loop.widths.push_back(points.size() == 2 ? graph_.widths[slot]
-                                                 : detail::rounded_up(detail::strip_to_next(
-                                                       graph_, loops_, slot, points, surface)));
+        const float width =
+            points.size() == 2
+                ? graph_.slots[slot].width
+                : detail::rounded_up(detail::strip_to_next(graph_, loops_, slot, points, surface));
+        loop.push_back({graph_.slots[slot].uv, loops_.vertex(slot), width});
         slot = loops_.next(slot);
       } while (slot != start);
       result.push_back(std::move(loop));

@@ -141,7 +141,7 @@ class GraphBuilder {
     if (edges_.is_parallel[piece.edge] && move <= detail::k_for_sewing * options_.tolerance) return false;
     const double rest = options_.tolerance - move;  // none: a gap of the file, for which no chord is better
     return rest > 0 &&
-           static_cast<double>(graph_.widths[slot]) +
+           static_cast<double>(graph_.slots[slot].width) +
                    surfaces_[piece.patch].bounds.deviation(graph_.slots[slot].uv, graph_.slots[next].uv) >
                rest;
   }
@@ -284,9 +284,8 @@ class GraphBuilder {
   void add_run(std::size_t i) {
     const Run& run = runs_[i];
     each_point(i, [&](std::size_t at) {
-      graph_.slots.push_back({run.points.uvs[at], vertex_of(i, at)});
       const double width = run.points.widths[run.runs_against ? at - 1 : at];
-      graph_.widths.push_back(width > 0 ? detail::rounded_up(width) : 0);
+      graph_.slots.push_back({run.points.uvs[at], vertex_of(i, at), detail::rounded_up(width)});
     });
   }
 
@@ -296,10 +295,10 @@ class GraphBuilder {
     std::vector<Vec3> own(graph_.slots.size());
     moves_.resize(graph_.slots.size());
     each_slot([&](std::size_t patch, std::size_t slot) {
-      const auto& [uv, vertex] = graph_.slots[slot];
-      own[slot] = surfaces_[patch].shape.evaluate(uv);
-      graph_.positions[vertex] += own[slot];
-      ++counts[vertex];
+      const SeamSlot& at = graph_.slots[slot];
+      own[slot] = surfaces_[patch].shape.evaluate(at.uv);
+      graph_.positions[at.vertex] += own[slot];
+      ++counts[at.vertex];
     });
     for (std::size_t i = 0; i < counts.size(); ++i) graph_.positions[i] /= counts[i];
     each_slot([&](std::size_t, std::size_t slot) {
@@ -342,10 +341,8 @@ std::vector<Index> SeamGraph::patches_of_loops() const {
 
 std::vector<SeamLoop> SeamGraph::loops_of(std::size_t patch) const {
   std::vector<SeamLoop> loops;
-  for (std::size_t l = patch_loops[patch]; l < patch_loops[patch + 1]; ++l) {
-    loops.push_back({{loop(l).begin(), loop(l).end()},
-                     {widths.begin() + loop_offsets[l], widths.begin() + loop_offsets[l + 1]}});
-  }
+  for (std::size_t l = patch_loops[patch]; l < patch_loops[patch + 1]; ++l)
+    loops.emplace_back(loop(l).begin(), loop(l).end());
   return loops;
 }
 

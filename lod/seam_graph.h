@@ -18,16 +18,14 @@ namespace recede {
 /// A place of a trimming loop: where it is on its own patch, and the point in space that it shares with
 /// others.
 struct SeamSlot {
-  Vec2 uv = Vec2::Zero();  ///< stays as it is on every level
+  /// Stays as it is on every level. Not aligned, for slots of 24 bytes.
+  Eigen::Matrix<double, 2, 1, Eigen::DontAlign> uv = Vec2::Zero();
   Index vertex = 0;
+  float width = 0;  ///< how far trimming curve and chord up to the next slot are apart in space, at most
 };
 
 /// A trimming loop at some level of detail.
-struct SeamLoop {
-  std::vector<SeamSlot> slots;
-  std::vector<float>
-      widths;  ///< from each slot to the next: how far trimming curve and chord are apart at most
-};
+using SeamLoop = std::vector<SeamSlot>;
 
 /// A place where patches should meet and don't.
 struct SeamGap {
@@ -48,10 +46,8 @@ struct SeamReport {
 };
 
 struct SeamGraph {
-  std::vector<Vec3> positions;  ///< of the sewing points
-  std::vector<SeamSlot> slots;  ///< loop by loop, in the loop's order
-  std::vector<float>
-      widths;  ///< by slot: how far trimming curve and chord up to the next slot are apart in space, at most
+  std::vector<Vec3> positions;         ///< of the sewing points
+  std::vector<SeamSlot> slots;         ///< loop by loop, in the loop's order
   std::vector<Index> loop_offsets{0};  ///< loop l has slots [offsets[l], offsets[l + 1])
   std::vector<Index> patch_loops{0};   ///< patch p has loops [patch_loops[p], patch_loops[p + 1])
   double tolerance = 0;                ///< of triangles, for which it is fine enough

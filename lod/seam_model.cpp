@@ -249,7 +249,7 @@ PolygonSoup SeamTessellation::Impl::soup() const {
     const PatchTriangles& of_patch = triangles_[patch];
     std::vector<Index> points;
     for (const SeamLoop& loop : front_.loops_of(patch, model_.surfaces[patch])) {
-      for (const SeamSlot& slot : loop.slots) {
+      for (const SeamSlot& slot : loop) {
         const auto [at, is_new] = numbers.try_emplace(slot.vertex, static_cast<Index>(soup.positions.size()));
         if (is_new) soup.positions.push_back(model_.graph.positions[slot.vertex]);
         points.push_back(at->second);

@@ -16,8 +16,7 @@ SeamGraph graph_of(const std::vector<std::vector<Index>>& loops) {
   Index n_vertices = 0;
   for (const std::vector<Index>& loop : loops) {
     for (const Index vertex : loop) {
-      graph.slots.push_back({Vec2(static_cast<double>(graph.slots.size()), 0), vertex});
-      graph.widths.push_back(0);
+      graph.slots.push_back({Vec2(static_cast<double>(graph.slots.size()), 0), vertex, 0});
       n_vertices = std::max(n_vertices, vertex + 1);
     }
     graph.loop_offsets.push_back(static_cast<Index>(graph.slots.size()));

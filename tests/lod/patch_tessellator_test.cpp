@@ -45,7 +45,7 @@ Tessellated tessellate(const TrimmedPatch& patch, double tolerance, std::size_t 
 std::vector<Index> vertices_of(const std::vector<SeamLoop>& loops) {
   std::vector<Index> vertices;
   for (const SeamLoop& loop : loops) {
-    for (const SeamSlot& slot : loop.slots) vertices.push_back(slot.vertex);
+    for (const SeamSlot& slot : loop) vertices.push_back(slot.vertex);
   }
   return vertices;
 }
@@ -58,7 +58,7 @@ double twice_area(const Vec2& a, const Vec2& b, const Vec2& c) {
 void expect_points_of_loops(const Tessellated& tested) {
   std::size_t i = 0;
   for (const SeamLoop& loop : tested.loops) {
-    for (const SeamSlot& slot : loop.slots) {
+    for (const SeamSlot& slot : loop) {
       ASSERT_LT(i, tested.triangles.uvs.size());
       EXPECT_EQ(tested.triangles.uvs[i], slot.uv);
       EXPECT_EQ(tested.triangles.positions[i], tested.graph.positions[slot.vertex]);
@@ -77,7 +77,7 @@ void expect_sides_of_loops(const Tessellated& tested) {
   }
   Index first = 0;
   for (const SeamLoop& loop : tested.loops) {
-    const auto n = static_cast<Index>(loop.slots.size());
+    const auto n = static_cast<Index>(loop.size());
     for (Index i = 0; i < n; ++i) {
       const std::pair<Index, Index> side{first + i, first + (i + 1) % n};
       EXPECT_EQ(sides[side], 1);
@@ -108,9 +108,8 @@ void expect_sides_of_vertices(const Tessellated& tested) {
 void expect_fills_loops(const Tessellated& tested) {
   double of_loops = 0, of_triangles = 0;
   for (const SeamLoop& loop : tested.loops) {
-    for (std::size_t i = 0; i < loop.slots.size(); ++i)
-      of_loops += twice_area(tested.loops[0].slots[0].uv, loop.slots[i].uv,
-                             loop.slots[(i + 1) % loop.slots.size()].uv);
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      of_loops += twice_area(tested.loops[0][0].uv, loop[i].uv, loop[(i + 1) % loop.size()].uv);
   }
   for (const auto& [a, b, c] : tested.triangles.triangles) {
     const std::vector<Vec2>& uvs = tested.triangles.uvs;
@@ -197,7 +196,7 @@ TEST(PatchTessellator, ReachesItsToleranceOnTubes) {
   }
   // Long triangles along the tube need no point within: each of n strips is two.
   const Tessellated tube = tessellate(whole(test::quarter_tube(1, 5)), 1e-3);
-  EXPECT_LE(tube.triangles.triangles.size(), 4 * tube.loops[0].slots.size());
+  EXPECT_LE(tube.triangles.triangles.size(), 4 * tube.loops[0].size());
 }
 
 TEST(PatchTessellator, ReachesItsToleranceOnBallsWhereSidesArePoles) {
@@ -270,7 +269,7 @@ TEST(PatchTessellator, SaysWhatItReachedWithFewerPointsThanItNeeds) {
 // Loops that the graph has moved a good way: what is sewn counts.
 TEST(PatchTessellator, CountsWhatSewingMoved) {
   Tessellated square = tessellate(whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})), 0.5);
-  square.graph.positions[square.loops[0].slots[2].vertex] += Vec3(0, 0, 0.25);
+  square.graph.positions[square.loops[0][2].vertex] += Vec3(0, 0, 0.25);
   PatchTessellationOptions options;
   options.tolerance = 0.5;
   square.triangles = triangulate_patch(square.loops, square.graph.positions, square.surface, options);
@@ -290,8 +289,9 @@ TEST(PatchTessellator, TakesTheLargerOfStripsAndTriangles) {
   patch.loops = {circle({0.5, 0.5}, 0.25, false)};
   const Tessellated disc = tessellate(patch, 0.1);
   EXPECT_TRUE(disc.triangles.reached_tolerance);
-  EXPECT_EQ(disc.triangles.error_bound,
-            static_cast<double>(*std::max_element(disc.graph.widths.begin(), disc.graph.widths.end())));
+  float widest = 0;
+  for (const SeamSlot& slot : disc.graph.slots) widest = std::max(widest, slot.width);
+  EXPECT_EQ(disc.triangles.error_bound, static_cast<double>(widest));
   EXPECT_GT(disc.triangles.error_bound, 0.02);
   EXPECT_EQ(disc.triangles.positions.size(), disc.graph.positions.size()) << "no points within a disc";
 }
@@ -311,8 +311,7 @@ TEST(PatchTessellator, DoesNotTryForEverWhereLoopsAreCoarserThanItsTolerance) {
 SeamLoop loop_of(const std::vector<Vec2>& uvs, Index first_vertex) {
   SeamLoop loop;
   for (const Vec2& uv : uvs) {
-    loop.slots.push_back({uv, first_vertex++});
-    loop.widths.push_back(0);
+    loop.push_back({uv, first_vertex++, 0});
   }
   return loop;
 }

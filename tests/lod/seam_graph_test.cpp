@@ -58,7 +58,7 @@ TEST(SeamGraph, OfABoxHasEightPointsAndTwelveSeams) {
   EXPECT_EQ(graph.report.largest_move, 0);
   EXPECT_TRUE(open_sides(graph).empty());
   // Straight lines, but for rounding.
-  for (const float width : graph.widths) EXPECT_LT(width, 1e-14f);
+  for (const SeamSlot& slot : graph.slots) EXPECT_LT(slot.width, 1e-14f);
 }
 
 TEST(SeamGraph, CutsAnEdgeWhereKnotsOfItsCurvesAreAlmostInOnePlace) {
@@ -229,7 +229,7 @@ TEST(SeamGraph, LeavesChordsWhatSewingLeaves) {
   const SeamGraph sewn = graph_with(0.08);
   EXPECT_NEAR(sewn.report.largest_move, 0.04, 1e-12);
   EXPECT_GT(sewn.positions.size(), together);
-  for (const float width : sewn.widths) EXPECT_LE(static_cast<double>(width) + 0.04, k_tolerance);
+  for (const SeamSlot& slot : sewn.slots) EXPECT_LE(static_cast<double>(slot.width) + 0.04, k_tolerance);
   // Where no chord would do, none is made finer.
   EXPECT_EQ(graph_with(0.2).positions.size(), together);
 }
@@ -249,7 +249,7 @@ TEST(SeamGraph, StaysWithinItsTolerance) {
         const auto loop = graph.loop(l);
         for (std::size_t i = 0; i < loop.size(); ++i) {
           const SeamSlot &a = loop[i], &b = loop[(i + 1) % loop.size()];
-          EXPECT_LE(graph.widths[graph.loop_offsets[l] + i], tolerance);
+          EXPECT_LE(a.width, tolerance);
           for (const double share : {0.25, 0.5, 0.75}) {
             const Vec3 on_surface = surfaces[p].shape.evaluate(a.uv + share * (b.uv - a.uv));
             const Vec3 on_chord =

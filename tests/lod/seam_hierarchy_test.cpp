@@ -39,10 +39,9 @@ struct Levels {
 };
 
 bool are_same(const SeamLoop& a, const SeamLoop& b) {
-  return a.widths == b.widths && std::equal(a.slots.begin(), a.slots.end(), b.slots.begin(), b.slots.end(),
-                                            [](const SeamSlot& s, const SeamSlot& t) {
-                                              return s.uv == t.uv && s.vertex == t.vertex;
-                                            });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const SeamSlot& s, const SeamSlot& t) {
+    return s.uv == t.uv && s.vertex == t.vertex && s.width == t.width;
+  });
 }
 
 bool are_same(const std::vector<SeamLoop>& a, const std::vector<SeamLoop>& b) {
@@ -110,7 +109,7 @@ TEST(SeamHierarchy, LeavesTwoFacesOfABoxBackToBack) {
     for (const SeamLoop& loop : box.loops_of(front, patch)) left.push_back(loop);
   }
   ASSERT_EQ(left.size(), 2u);
-  EXPECT_EQ(left[0].slots.size() + left[1].slots.size(), 6u);
+  EXPECT_EQ(left[0].size() + left[1].size(), 6u);
   EXPECT_TRUE(test::open_sides(left).empty());
   // The shortest side makes a face vanish: nothing is free.
   EXPECT_GE(box.hierarchy.errors.back(), 1);
@@ -128,7 +127,7 @@ TEST(SeamHierarchy, LeavesAFewPatchesOfEverySurfaceThatHangsTogether) {
     std::set<Index> vertices;
     for (std::size_t patch = 0; patch < levels.graph.n_patches(); ++patch) {
       for (const SeamLoop& loop : levels.loops_of(front, patch)) {
-        for (const SeamSlot& slot : loop.slots) vertices.insert(slot.vertex);
+        for (const SeamSlot& slot : loop) vertices.insert(slot.vertex);
       }
     }
     EXPECT_LE(vertices.size(), 5 * model.pieces) << model.name;
@@ -152,9 +151,9 @@ ClosestPointTree tree_of_sides(const Levels& levels, const SeamFront& front) {
   std::vector<Index> sides;
   for (std::size_t patch = 0; patch < levels.graph.n_patches(); ++patch) {
     for (const SeamLoop& loop : levels.loops_of(front, patch)) {
-      for (std::size_t i = 0; i < loop.slots.size(); ++i) {
-        const Index to = loop.slots[(i + 1) % loop.slots.size()].vertex;
-        sides.insert(sides.end(), {loop.slots[i].vertex, to, to});
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Index to = loop[(i + 1) % loop.size()].vertex;
+        sides.insert(sides.end(), {loop[i].vertex, to, to});
       }
     }
   }
@@ -399,7 +398,7 @@ bool are_simple(const std::vector<SeamLoop>& loops) {
   };
   std::vector<Side> sides;
   for (std::size_t l = 0; l < loops.size(); ++l) {
-    const auto& slots = loops[l].slots;
+    const auto& slots = loops[l];
     if (slots.size() < 3) return false;
     for (std::size_t i = 0; i < slots.size(); ++i)
       sides.push_back({slots[i].uv, slots[(i + 1) % slots.size()].uv, l, i});
@@ -407,7 +406,7 @@ bool are_simple(const std::vector<SeamLoop>& loops) {
   for (std::size_t i = 0; i < sides.size(); ++i) {
     for (std::size_t k = i + 1; k < sides.size(); ++k) {
       const Side &a = sides[i], &b = sides[k];
-      const std::size_t n = loops[a.loop].slots.size();
+      const std::size_t n = loops[a.loop].size();
       if (a.loop == b.loop && (a.number + 1 == b.number || (a.number == 0 && b.number + 1 == n))) {
         const Side &first = a.number + 1 == b.number ? a : b, &second = a.number + 1 == b.number ? b : a;
         // They may not turn back on to each other.
@@ -458,12 +457,12 @@ TEST(SeamFront, KnowsHowFarTrimmingCurvesAreFromCoarseLoops) {
       for (std::size_t patch = 0; patch < levels.graph.n_patches(); ++patch) {
         const test::TrimmedRegion region(levels.patches[patch], levels.surfaces[patch], 24);
         for (const SeamLoop& loop : levels.loops_of(front, patch)) {
-          for (std::size_t i = 0; i < loop.slots.size(); ++i) {
-            const Vec2 &a = loop.slots[i].uv, &b = loop.slots[(i + 1) % loop.slots.size()].uv;
+          for (std::size_t i = 0; i < loop.size(); ++i) {
+            const Vec2 &a = loop[i].uv, &b = loop[(i + 1) % loop.size()].uv;
             for (const double share : {0.25, 0.5, 0.75}) {
               const Vec3 on_chord = levels.surfaces[patch].shape.evaluate(a + share * (b - a));
               // The strip between curve and chord holds all of both.
-              EXPECT_LE(region.distance_to_outline(on_chord), loop.widths[i] + region.slack()) << model.name;
+              EXPECT_LE(region.distance_to_outline(on_chord), loop[i].width + region.slack()) << model.name;
             }
           }
         }
@@ -476,7 +475,7 @@ TEST(SeamHierarchy, OfAnOpenSheetKeepsATriangle) {
   const Levels sheet({test::whole(test::quarter_tube(1, 2))});
   SeamFront front(sheet.graph, sheet.hierarchy);
   ASSERT_EQ(front.n_patches_left(), 1u);
-  EXPECT_EQ(sheet.loops_of(front, 0)[0].slots.size(), 3u);
+  EXPECT_EQ(sheet.loops_of(front, 0)[0].size(), 3u);
 }
 
 TEST(SeamHierarchy, NeedsASurfaceForEachPatch) {

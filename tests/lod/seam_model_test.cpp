@@ -155,7 +155,7 @@ TEST(SeamModel, IsTheSameForAnyNumberOfThreads) {
   }();
   const SeamModel two = model_of(patches);
   EXPECT_TRUE(test::same_bytes(one.graph.positions, two.graph.positions));
-  EXPECT_TRUE(test::same_bytes(one.graph.widths, two.graph.widths));
+  EXPECT_TRUE(test::same_bytes(one.graph.slots, two.graph.slots));
   EXPECT_TRUE(test::same_bytes(one.hierarchy.errors, two.hierarchy.errors));
   EXPECT_TRUE(test::same_bytes(one.hierarchy.splits, two.hierarchy.splits));
   EXPECT_TRUE(test::same_bytes(one.hierarchy.changes, two.hierarchy.changes));

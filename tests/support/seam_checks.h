@@ -37,8 +37,8 @@ inline Sides open_sides(const PolygonSoup& soup) {
 inline Sides open_sides(std::span<const SeamLoop> loops) {
   Sides sides;
   for (const SeamLoop& loop : loops) {
-    for (std::size_t i = 0; i < loop.slots.size(); ++i)
-      add_side(sides, loop.slots[i].vertex, loop.slots[(i + 1) % loop.slots.size()].vertex);
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      add_side(sides, loop[i].vertex, loop[(i + 1) % loop.size()].vertex);
   }
   return sides;
 }
