@@ -237,15 +237,15 @@ class SurfaceBounds::Builder {
   bool is_near_enough(const BezierNet& piece, const DerivativeBounds& lengths) const {
     const double bound = deviation_of(lengths, piece.width(), piece.height());
     if (bound <= unimportant_) return true;
-    double least = bound;
     for (const Vec2& share :
          {Vec2(0.5, 0.5), Vec2(0.01, 0.01), Vec2(0.99, 0.01), Vec2(0.01, 0.99), Vec2(0.99, 0.99)}) {
       const SurfaceDerivatives there =
           surface_.derivatives(piece.part.min() + share.cwiseProduct(piece.part.sizes()));
-      least = std::min(least, deviation_of({0, 0, there.duu.norm(), there.duv.norm(), there.dvv.norm()},
-                                           piece.width(), piece.height()));
+      const double met = deviation_of({0, 0, there.duu.norm(), there.duv.norm(), there.dvv.norm()},
+                                      piece.width(), piece.height());
+      if (bound > k_near_enough * met) return false;
     }
-    return bound <= std::max(k_near_enough * least, unimportant_);
+    return true;
   }
 
   std::size_t add_children(std::size_t node, std::size_t axis, double split) {
