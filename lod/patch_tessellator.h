@@ -26,9 +26,9 @@ struct PatchTriangles {
   /// Numbers of points, counter-clockwise in the plane of (u, v). Where corners are the same point in space,
   /// as at poles, the triangle is left out.
   std::vector<std::array<Index, 3>> triangles;
-  /// No point of the surface that the trimming curves of these loops enclose is farther from the triangles. No
-  /// point of the triangles is farther from the surface, which goes on beyond the trimming curves, over strips
-  /// as wide as the loops say, and over holes whose loops aren't given.
+  /// No point of the surface that the trimming curves of these loops enclose is farther from the triangles.
+  /// No point of the triangles is farther from the surface, which goes on beyond the trimming curves, over
+  /// strips as wide as the loops say, and over holes whose loops aren't given.
   double error_bound = 0;
   bool reached_tolerance = false;
   /// Triangles whose normal points away from that of the surface at all of their corners, by more than a

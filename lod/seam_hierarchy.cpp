@@ -1,7 +1,6 @@
 #include <recede/geometry/detail/interval.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/edge_sampling.h>
-#include <recede/lod/detail/plane_hulls.h>
 #include <recede/lod/detail/seam_chords.h>
 #include <recede/lod/detail/vanished_patches.h>
 #include <recede/lod/seam_hierarchy.h>
@@ -23,7 +22,7 @@ class SeamCollapser {
         largest_error_(largest_error),
         loops_(graph),
         moves_(graph.slots.size()),
-        chords_(graph.slots.size()),
+        chords_(graph, surfaces, loops_),
         vanished_(graph, surfaces),
         stamps_(graph.positions.size(), 0),
         refused_(graph.positions.size()),
@@ -32,7 +31,6 @@ class SeamCollapser {
     for (std::size_t slot = 0; slot < graph.slots.size(); ++slot) {
       const auto s = static_cast<Index>(slot);
       moves_[slot] = move_of(s, loops_.vertex(s));
-      chords_[slot] = chord_from(s);
     }
   }
 
@@ -74,10 +72,6 @@ class SeamCollapser {
     queue(vertex);
   }
 
-  struct Chord {  // from a slot to the next
-    double strip = 0, deviation = 0;
-    ParameterBox box;
-  };
   struct Candidate {
     double error;
     Index removed, kept;
@@ -109,17 +103,7 @@ class SeamCollapser {
     return (surfaces_[patch_of(slot)].shape.evaluate(graph_.slots[slot].uv) - position(vertex)).norm();
   }
 
-  Chord chord_from(Index slot) const {
-    const PatchSurface& surface = surfaces_[patch_of(slot)];
-    detail::points_to_next(graph_, loops_, slot, points_);
-    Chord chord;
-    for (const Vec2& point : points_) chord.box.extend(point);
-    chord.strip = detail::strip_to_next(graph_, loops_, slot, points_, surface);
-    chord.deviation = surface.bounds.deviation(points_.front(), points_.back());
-    return chord;
-  }
-
-  double error_of(Index slot, const Chord& chord, Index kept) const {
+  double error_of(Index slot, const detail::SeamChord& chord, Index kept) const {
     return detail::seam_error(surfaces_[patch_of(slot)].bend, chord.strip,
                               chord.deviation + end_moves(slot, kept));
   }
@@ -338,8 +322,9 @@ class SeamCollapser {
   double assess(std::size_t first, Index removed, Index kept, bool is_final) {
     collect_chords(first);
     double seams = 0, others = 0;
-    for (const Index slot : new_chords_) seams = std::max(seams, error_of(slot, chord_from(slot), kept));
-    for (const Index slot : moved_chords_) seams = std::max(seams, error_of(slot, chords_[slot], kept));
+    for (const Index slot : new_chords_) seams = std::max(seams, error_of(slot, chords_.from(slot), kept));
+    for (const Index slot : moved_chords_)
+      seams = std::max(seams, error_of(slot, chords_.remembered(slot), kept));
     each_lost_loop(first, [&](Index loop) {
       if (!is_outer_[loop]) others = std::max(others, hole_width(loop));
     });
@@ -388,7 +373,7 @@ class SeamCollapser {
     const std::size_t first = changes_.size();
     if (!apply(removed, kept)) return false;
     collect_chords(first);
-    if (!stays_simple() || turns_back(removed, kept)) {
+    if (!chords_.stay_simple(new_chords_) || turns_back(removed, kept)) {
       undo(first, removed);
       return false;
     }
@@ -396,51 +381,11 @@ class SeamCollapser {
     for (std::size_t i = first; i < changes_.size(); ++i) {
       if (!changes_[i].is_dropped()) moves_[changes_[i].slot()] = move_of(changes_[i].slot(), kept);
     }
-    for (const Index slot : new_chords_) chords_[slot] = chord_from(slot);
+    for (const Index slot : new_chords_) chords_.remember(slot);
     records_.push_back({{removed, kept}, error_, first, bared_at_.size()});
     for (const Index loop : bared_) bared_at_.push_back(patch_of_loop_[loop]);
     requeue(first, kept);
     return true;
-  }
-
-  // Whether no new chord can meet another one, on this level or on any other that a front can reach: their
-  // hulls hold all points that may be between their ends.
-  bool stays_simple() {
-    for (const Index slot : new_chords_) {
-      const Chord chord = chord_from(slot);
-      const std::vector<Vec2> hull = hull_of(slot);
-      const Index patch = patch_of(slot);
-      for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
-        if (!loops_.encloses(l)) continue;
-        const Index start = loops_.first_of(l);
-        Index other = start;
-        do {
-          if (other != slot && chord.box.intersects(box_of(other)) && meets(slot, hull, other)) return false;
-          other = loops_.next(other);
-        } while (other != start);
-      }
-    }
-    return true;
-  }
-
-  ParameterBox box_of(Index slot) const {
-    const bool is_new = std::find(new_chords_.begin(), new_chords_.end(), slot) != new_chords_.end();
-    return is_new ? chord_from(slot).box : chords_[slot].box;
-  }
-
-  bool meets(Index slot, const std::vector<Vec2>& hull, Index other) const {
-    const std::vector<Vec2> other_hull = hull_of(other);
-    if (loops_.next(slot) == other)
-      return detail::hulls_overlap_beside(hull, other_hull, graph_.slots[other].uv);
-    if (loops_.next(other) == slot)
-      return detail::hulls_overlap_beside(hull, other_hull, graph_.slots[slot].uv);
-    return detail::hulls_meet(hull, other_hull);
-  }
-
-  std::vector<Vec2> hull_of(Index slot) const {
-    std::vector<Vec2> points;
-    detail::points_to_next(graph_, loops_, slot, points);
-    return detail::convex_hull(std::move(points));
   }
 
   // Whether an edge of a patch that takes the kept vertex turns by more than a right angle.
@@ -501,7 +446,7 @@ class SeamCollapser {
   double largest_error_;
   ActiveLoops loops_;
   std::vector<double> moves_;  // by slot: from its patch to its vertex
-  std::vector<Chord> chords_;  // by active slot
+  detail::SeamChords chords_;
   detail::VanishedPatches vanished_;
   std::vector<std::uint32_t> stamps_;
   std::vector<std::vector<Index>> refused_;  // by vertex: where it can't go
@@ -514,7 +459,6 @@ class SeamCollapser {
   double error_ = 0;
   // Kept for their memory.
   std::vector<Index> slots_, new_chords_, moved_chords_, neighbours_, affected_, moved_, bared_;
-  mutable std::vector<Vec2> points_;
 };
 
 }  // namespace
