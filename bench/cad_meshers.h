@@ -4,9 +4,16 @@
 #include "cad_judge.h"
 
 #include <optional>
+#include <span>
 #include <string>
 
 namespace recede::bench {
+
+/// BRepMesh's angular limit with which the deflection alone counts, radians.
+inline constexpr double k_wide_angle = 3;
+/// Deflection, over the diagonal, for which Seam Graphs of all levels are set up: that of the dissertation's
+/// cars, 0.2 mm.
+inline constexpr double k_setup_share = 5e-5;
 
 struct CadRunOptions {
   double deflection = 0;    ///< largest distance asked for, in units of the model
@@ -63,5 +70,14 @@ CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection,
                                   const std::filesystem::path& mesh = {});
 CadLevelsAnswer run_brep_mesh_levels(const CadSubject& subject, double deflection,
                                      const std::filesystem::path& mesh = {});
+
+/// Triangles of the bodies at each of the deflections, made in this process: it can't fork any more then.
+/// Recede's are of one Seam Graph, set up for `k_setup_share`; with `all_seams` none of it is collapsed.
+std::vector<std::vector<CadBodyMesh>> recede_meshes(const CadSubject& subject,
+                                                    std::span<const double> deflections,
+                                                    bool all_seams = false);
+std::vector<std::vector<CadBodyMesh>> brep_meshes(const CadSubject& subject,
+                                                  std::span<const double> deflections,
+                                                  double angle = k_wide_angle);
 
 }  // namespace recede::bench

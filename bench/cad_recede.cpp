@@ -2,8 +2,11 @@
 #include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/seam_model.h>
+
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,6 +75,31 @@ CadJudgement judge_ours(const CadSubject& subject, const Tessellations& tessella
   CadJudgement result = judge(subject, meshes_of(subject, tessellations), options);
   result.faces_missing = updates.missing;
   return result;
+}
+
+/// Of the Seam Graph as it was set up.
+std::vector<CadBodyMesh> uncollapsed_meshes_of(const CadSubject& subject, const Prepared& prepared,
+                                               double deflection) {
+  std::vector<CadBodyMesh> meshes;
+  for (std::size_t b = 0; b < prepared.models.size(); ++b) {
+    const SeamModel& model = prepared.models[b];
+    CadBodyMesh& mesh = meshes.emplace_back();
+    mesh.faces.resize(model.graph.n_patches());
+    tbb::parallel_for(std::size_t{0}, mesh.faces.size(), [&](std::size_t patch) {
+      CadFaceMesh& face = mesh.faces[patch];
+      face.face = subject.bodies[b].face_of_patch[patch];
+      try {
+        PatchTriangles made = triangulate_patch(model.graph.loops_of(patch), model.graph.positions,
+                                                model.surfaces[patch], {.tolerance = deflection});
+        face.uvs = std::move(made.uvs);
+        face.positions = std::move(made.positions);
+        face.triangles = std::move(made.triangles);
+      } catch (const InputError&) {
+        // Loops that cross: without triangles here as there.
+      }
+    });
+  }
+  return meshes;
 }
 
 /// Medians of both clocks.
@@ -197,6 +225,26 @@ CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection,
       CadRunOptions{}.seconds_allowed);
   if (!answer.succeeded) return {{}, answer.failure};
   return {ByteReader(answer.bytes).take<CadLevels>(), {}};
+}
+
+std::vector<std::vector<CadBodyMesh>> recede_meshes(const CadSubject& subject,
+                                                    std::span<const double> deflections, bool all_seams) {
+  Prepared prepared;
+  for (const CadBench& body : subject.bodies)
+    prepared.models.push_back(build_seam_model(subject.model.parts[body.part],
+                                               {{.tolerance = k_setup_share * subject.diagonal}, {}}));
+  Tessellations tessellations;
+  for (const SeamModel& model : prepared.models) tessellations.emplace_back(model);
+  std::vector<std::vector<CadBodyMesh>> levels;
+  for (const double deflection : deflections) {
+    if (all_seams) {
+      levels.push_back(uncollapsed_meshes_of(subject, prepared, deflection));
+      continue;
+    }
+    update(tessellations, deflection);
+    levels.push_back(meshes_of(subject, tessellations));
+  }
+  return levels;
 }
 
 }  // namespace recede::bench

@@ -11,7 +11,6 @@
 namespace recede::bench {
 namespace {
 
-constexpr double k_wide_angle = 3;       // radians
 constexpr double k_equal_share = 1e-3;   // where triangles of equal deviation are looked for
 constexpr double k_levels_share = 1e-2;  // of the coarser faces
 constexpr const char* k_drawn_model = "bored sphere";

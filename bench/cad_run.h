@@ -17,4 +17,12 @@ std::string cad_tables(const BenchOptions& options);
 /// the former, for models that find `scale`.
 std::string cad_scale_tables(const BenchOptions& options);
 
+/// Pictures instead: of three models from four distances, as one camera sees both but enlarged, BRepMesh's
+/// triangles above Recede's (cad-distances-<model>.png), and plots of triangles against distance
+/// (cad-distances.svg), in `options.out`. Gives the numbers of both, and writes them into cad-distances.md.
+std::string cad_pictures(const BenchOptions& options);
+
+/// Those plots. Part of the former; gives their numbers.
+std::string cad_distance_plots(const BenchOptions& options);
+
 }  // namespace recede::bench

@@ -1,4 +1,4 @@
-#include "cad_models.h"
+#include "cad_meshers.h"
 #include "cad_run.h"
 #include "cad_timer.h"
 #include "child_process.h"
@@ -14,8 +14,6 @@ namespace recede::bench {
 namespace {
 
 constexpr unsigned k_seconds_allowed = 900;
-/// Of the seams as they are set up, over the diagonal: that of the dissertation's cars, 0.2 mm.
-constexpr double k_setup_share = 5e-5;
 /// Pixels that the diagonal covers in the picture.
 constexpr std::array<double, 4> k_sizes{1000, 300, 100, 30};
 constexpr std::array<const char*, 4> k_size_names{"large", "medium", "small", "tiny"};

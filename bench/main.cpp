@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
   bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false, displaced = false,
        dicing = false, appearance = false;
-  [[maybe_unused]] bool cad = false;
+  [[maybe_unused]] bool cad = false, pictures = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
@@ -39,7 +39,10 @@ int main(int argc, char** argv) {
   app.add_flag("--dicing", dicing, "instead, displaced surfaces diced for views");
   app.add_flag("--appearance", appearance, "instead, reliefs from afar beside rays that meet them");
 #ifdef RECEDE_BENCH_CAD
-  app.add_flag("--cad", cad, "instead, triangles of CAD models beside those of OpenCASCADE's BRepMesh");
+  CLI::Option* const of_cad =
+      app.add_flag("--cad", cad, "instead, triangles of CAD models beside those of OpenCASCADE's BRepMesh");
+  app.add_flag("--pictures", pictures, "instead of its tables, pictures from four distances and plots")
+      ->needs(of_cad);
 #endif
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
@@ -69,7 +72,7 @@ int main(int argc, char** argv) {
     }
 #ifdef RECEDE_BENCH_CAD
     if (cad) {
-      fmt::print("{}", recede::bench::cad_tables(options));
+      fmt::print("{}", pictures ? recede::bench::cad_pictures(options) : recede::bench::cad_tables(options));
       return 0;
     }
 #endif

@@ -163,4 +163,17 @@ CadLevelsAnswer run_brep_mesh_levels(const CadSubject& subject, double deflectio
   return {ByteReader(answer.bytes).take<CadLevels>(), {}};
 }
 
+std::vector<std::vector<CadBodyMesh>> brep_meshes(const CadSubject& subject,
+                                                  std::span<const double> deflections, double angle) {
+  const test::Silence silence;
+  std::vector<std::vector<CadBodyMesh>> levels;
+  for (const double deflection : deflections) {
+    clean(subject);
+    mesh(subject, deflection, angle);
+    levels.push_back(meshes_of(subject));
+  }
+  clean(subject);
+  return levels;
+}
+
 }  // namespace recede::bench

@@ -350,17 +350,43 @@ int GltfBuilder::add_mesh(const PolygonSoup& soup, const std::string& name, cons
   return impl_->append("meshes", std::move(mesh));
 }
 
-int GltfBuilder::add_node(int mesh, const std::string& name) {
+int GltfBuilder::copy_mesh(int mesh) {
+  const auto from = static_cast<std::size_t>(mesh);
+  const Vec3 offset = impl_->offsets.at(from);
+  impl_->offsets.push_back(offset);
+  json copy = impl_->document["meshes"].at(from);
+  return impl_->append("meshes", std::move(copy));
+}
+
+void GltfBuilder::paint_mesh(int mesh, const Material& material) {
+  for (json& primitive : impl_->document["meshes"].at(static_cast<std::size_t>(mesh))["primitives"]) {
+    if (primitive.contains("material")) continue;
+    const bool has_uvs = primitive["attributes"].contains(k_uv.name);
+    primitive["material"] = impl_->material_number(material, has_uvs);
+  }
+}
+
+int GltfBuilder::add_node(int mesh, const std::string& name, const Eigen::Affine3d& placement) {
   json node{{"name", name}};
+  Eigen::Affine3d whole = placement;
   if (mesh >= 0) {
     node["mesh"] = mesh;
-    const Vec3& offset = impl_->offsets.at(static_cast<std::size_t>(mesh));
-    if (!offset.isZero(0.0)) node["translation"] = {offset.x(), offset.y(), offset.z()};
+    whole.translate(impl_->offsets.at(static_cast<std::size_t>(mesh)));
+  }
+  if (!whole.linear().isIdentity(0.0)) {
+    const std::span<const double> columns(whole.data(), 16);
+    node["matrix"] = std::vector<double>(columns.begin(), columns.end());
+  } else if (!whole.translation().isZero(0.0)) {
+    node["translation"] = {whole.translation().x(), whole.translation().y(), whole.translation().z()};
   }
   return impl_->append("nodes", std::move(node));
 }
 
 void GltfBuilder::add_to_scene(int node) { impl_->document["scenes"][0]["nodes"].push_back(node); }
+
+void GltfBuilder::add_child(int parent, int node) {
+  impl_->document["nodes"].at(static_cast<std::size_t>(parent))["children"].push_back(node);
+}
 
 std::string GltfBuilder::to_gltf() const { return Impl::dump(impl_->complete_document(true)) + '\n'; }
 

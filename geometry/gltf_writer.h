@@ -40,11 +40,20 @@ class GltfBuilder {
   /// hold it) or with values outside the range of floats.
   int add_mesh(const PolygonSoup& soup, const std::string& name, const GltfMeshExtras& extras = {});
 
-  /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
-  int add_node(int mesh, const std::string& name);
+  /// The same mesh once more, over the same data. Returns its position in `meshes`.
+  int copy_mesh(int mesh);
 
-  /// Puts a node into the document's scene.
+  /// Gives the material to what has none of the mesh.
+  void paint_mesh(int mesh, const Material& material);
+
+  /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
+  /// glTF wants placements without shear: a rotation after factors along the axes.
+  int add_node(int mesh, const std::string& name,
+               const Eigen::Affine3d& placement = Eigen::Affine3d::Identity());
+
+  /// Puts a node into the document's scene, or below another one.
   void add_to_scene(int node);
+  void add_child(int parent, int node);
 
   /// The document without `buffers`, which `to_glb` and `to_gltf` add. Nodes, scenes and meshes may get
   /// extensions and extras; `extensionsUsed` is the caller's to fill.

@@ -30,6 +30,13 @@ double scale_of(const Eigen::Affine3d& placement) {
   return std::sqrt(solver.eigenvalues().maxCoeff());
 }
 
+// Whether glTF's nodes can hold the placement: they have no shear.
+bool is_without_shear(const Eigen::Affine3d& placement) {
+  constexpr double k_right_angle = 1e-9;  // cosine
+  const Eigen::Matrix3d axes = placement.linear().colwise().normalized();
+  return (axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < k_right_angle;
+}
+
 // Adds an instance of a part's triangles.
 void append(const PolygonSoup& part, const CadInstance& instance, PolygonSoup& model) {
   const auto first = static_cast<Index>(model.positions.size());
@@ -76,6 +83,10 @@ class CadLevels {
     prepare();
     result_.hierarchy.name = name;
     result_.hierarchy.view = options_.view;
+    if (is_assembly()) {
+      result_.hierarchy.instances = model_.instances;
+      for (const CadPart& part : model_.parts) result_.hierarchy.part_names.push_back(part.name);
+    }
     for (const double error : errors_) add_level(error);
     measure();
     detail::set_switch_distances(result_.hierarchy);
@@ -88,6 +99,12 @@ class CadLevels {
       if (!(errors_[i] > 0 && std::isfinite(errors_[i]))) throw OptionError("errors must be positive");
       if (i > 0 && !(errors_[i] > errors_[i - 1])) throw OptionError("errors must increase");
     }
+  }
+
+  bool is_assembly() const {
+    return model_.instances.size() > 1 &&
+           std::all_of(model_.instances.begin(), model_.instances.end(),
+                       [](const CadInstance& instance) { return is_without_shear(instance.placement); });
   }
 
   void prepare() {
@@ -138,6 +155,12 @@ class CadLevels {
     measure_samples(level);
     soups_.push_back(soup);
     level.mesh = repair_to_polygon_mesh(std::move(soup)).mesh;
+    if (!result_.hierarchy.instances.empty()) {
+      for (PolygonSoup& part : parts) {
+        part.materials = model_.materials;
+        level.parts.push_back(to_soup(repair_to_polygon_mesh(std::move(part)).mesh));
+      }
+    }
     result_.hierarchy.levels.push_back(std::move(level));
     result_.levels.push_back(std::move(report));
   }

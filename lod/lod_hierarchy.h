@@ -1,6 +1,7 @@
 // Levels of detail of one model: each with its measured error and the distance from which on it serves.
 #pragma once
 
+#include <recede/geometry/cad_import.h>
 #include <recede/geometry/mesh_distance.h>
 #include <recede/lod/displacement_bake.h>
 #include <recede/lod/simplify.h>
@@ -31,6 +32,8 @@ struct LodLevel {
   /// and normals.
   std::optional<BakedMaps> maps{};
   std::optional<MapAccuracy> map_accuracy{};  ///< when there is a displacement map
+  /// Of an assembly: each part once, in its own coordinates; `mesh` has them where instances are.
+  std::vector<PolygonSoup> parts{};
 };
 
 struct LodHierarchy {
@@ -39,6 +42,9 @@ struct LodHierarchy {
   Vec3 center = Vec3::Zero();    ///< of the bounding sphere of level 0
   double radius = 0;             ///< of that sphere
   std::vector<LodLevel> levels;  ///< finest first; level 0 is the input
+  /// Of an assembly: where the levels' parts are, and what these are called.
+  std::vector<CadInstance> instances{};
+  std::vector<std::string> part_names{};
 };
 
 struct HierarchyOptions {
@@ -86,7 +92,7 @@ struct HierarchyFiles {
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`, maps too, but of what baking met only why there
-/// is an atlas. Throws `InputError`.
+/// is an atlas, and of assemblies the levels as a whole. Throws `InputError`.
 LodHierarchy read_hierarchy(const std::filesystem::path& folder);
 
 }  // namespace recede

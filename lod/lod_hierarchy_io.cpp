@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <map>
 
 namespace recede {
 
@@ -59,9 +60,38 @@ PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, const st
   return soup;
 }
 
+/// A node whose children are the instances of parts of which something is left. A part is a mesh for each
+/// material that instances give to it; these share its data.
+int add_instances(GltfBuilder& builder, const LodHierarchy& hierarchy, const LodLevel& level,
+                  const std::string& name, const std::string& suffix) {
+  const int whole = builder.add_node(-1, name);
+  std::map<Index, int> first_meshes;              // of parts
+  std::map<std::pair<Index, Index>, int> meshes;  // of parts and materials
+  for (const CadInstance& instance : hierarchy.instances) {
+    const PolygonSoup& part = level.parts[instance.part];
+    if (part.n_faces() == 0) continue;
+    const std::vector<Index>& own = part.face_materials;
+    const bool is_bare = own.empty() || std::find(own.begin(), own.end(), k_no_index) != own.end();
+    const auto [mesh, is_new] = meshes.try_emplace({instance.part, is_bare ? instance.material : k_no_index});
+    if (is_new) {
+      const auto [first, is_first] = first_meshes.try_emplace(instance.part);
+      if (is_first) first->second = builder.add_mesh(part, hierarchy.part_names[instance.part] + suffix);
+      mesh->second = is_first ? first->second : builder.copy_mesh(first->second);
+    }
+    builder.add_child(whole, builder.add_node(mesh->second, instance.name, instance.placement));
+  }
+  // Not before: copies are made of what has no colour yet.
+  for (const auto& [key, mesh] : meshes) {
+    if (key.second != k_no_index) builder.paint_mesh(mesh, level.parts[key.first].materials[key.second]);
+  }
+  return whole;
+}
+
 int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i) {
-  const std::string name = fmt::format("{} level {}", hierarchy.name, i);
+  const std::string suffix = fmt::format(" level {}", i), name = hierarchy.name + suffix;
   const LodLevel& level = hierarchy.levels[i];
+  if (level.mesh.n_faces() > 0 && !level.parts.empty())
+    return add_instances(builder, hierarchy, level, name, suffix);
   if (!level.maps) return builder.add_node(builder.add_mesh(to_soup(level.mesh), name), name);
   const std::string folder = hierarchy.name + ".recede";
   const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, folder), name,
@@ -81,10 +111,12 @@ int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i
 /// serves; the last entry is the coverage below which nothing is drawn, which this hierarchy leaves at 0.
 std::string to_glb(const LodHierarchy& hierarchy) {
   GltfBuilder builder;
+  int first = 0;
   nlohmann::json ids = nlohmann::json::array(), coverage = nlohmann::json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     const int node = add_level(builder, hierarchy, i);
     if (i == 0) {
+      first = node;
       builder.add_to_scene(node);
     } else {
       ids.push_back(node);
@@ -93,7 +125,7 @@ std::string to_glb(const LodHierarchy& hierarchy) {
   }
   coverage.push_back(0.0);
   if (!ids.empty()) {
-    auto& finest = builder.document()["nodes"][0];
+    auto& finest = builder.document()["nodes"][static_cast<std::size_t>(first)];
     finest["extensions"]["MSFT_lod"]["ids"] = std::move(ids);
     finest["extras"]["MSFT_screencoverage"] = std::move(coverage);
     builder.document()["extensionsUsed"].push_back("MSFT_lod");

@@ -65,6 +65,20 @@ TEST(CadBake, PutsPartsWhereTheirInstancesAre) {
   const json level = info_of(result["levels"][0]);
   EXPECT_EQ(level["materials"].size(), 2u);
   EXPECT_EQ(level["corner_normals"], true);
+  // The GLB has two parts on each level, and says where three of them are.
+  const std::string glb = result["hierarchy"];
+  const json document = json_of_glb(glb);
+  EXPECT_EQ(document["meshes"].size(), 4u);
+  std::vector<std::string> names;
+  for (const json& node : document["nodes"]) names.push_back(node["name"]);
+  EXPECT_THAT(names, testing::ElementsAre("assembly level 0", "plate", "screw", "screw", "assembly level 1",
+                                          "plate", "screw", "screw"));
+  const json whole = json_of(run_recede({"info", glb, "--json"}));
+  EXPECT_EQ(whole["faces"], level["faces"]);
+  EXPECT_EQ(whole["border_edges"], 0);
+  EXPECT_EQ(whole["materials"].size(), 2u);
+  if (!has_gltf_validator()) GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";
+  EXPECT_TRUE(is_valid_gltf(glb));
 }
 
 TEST(CadBake, RefusesWhatHasNoMeaningForCadFiles) {

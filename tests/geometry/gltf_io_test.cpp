@@ -358,6 +358,37 @@ TEST(GltfBuilder, SharesMaterialsAndTakesExtensionsOfNodes) {
   EXPECT_EQ(read_soup(folder.write("a.gltf", builder.to_gltf())).n_faces(), 2u);
 }
 
+TEST(GltfBuilder, PutsAMeshInSeveralPlacesAndColoursWithOneCopyOfItsData) {
+  const TempFolder folder;
+  PolygonSoup soup;
+  soup.positions = {{1e7, 0, 0}, {1e7 + 1, 0, 0}, {1e7, 2, 0}};
+  soup.add_face(std::array<Index, 3>{0, 1, 2});
+  soup.corner_normals.assign(3, Vec3::UnitZ());
+  GltfBuilder builder;
+  const int plain = builder.add_mesh(soup, "part"), red = builder.copy_mesh(plain);
+  builder.paint_mesh(red, {"red", {1, 0, 0, 1}, ""});
+  const int all = builder.add_node(-1, "all");
+  Eigen::Affine3d turned = Eigen::Affine3d::Identity(), mirrored = turned, moved = turned;
+  turned.linear() << 0, -3, 0, 3, 0, 0, 0, 0, 3;
+  mirrored.linear().diagonal() = Vec3(1, 1, -1);
+  moved.translation() = Vec3(0, 0, 7);
+  builder.add_child(all, builder.add_node(plain, "turned", turned));
+  builder.add_child(all, builder.add_node(red, "mirrored", mirrored));
+  builder.add_child(all, builder.add_node(plain, "moved", moved));
+  builder.add_to_scene(all);
+  EXPECT_EQ(builder.document()["accessors"].size(), 3u) << "positions, normals and indices once";
+  EXPECT_FALSE(builder.document()["nodes"][3].contains("matrix")) << "a translation says less";
+  const PolygonSoup back = read_soup(folder.write("parts.glb", builder.to_glb()));
+  // The file has coordinates near its middle, of which floats keep all of these.
+  EXPECT_THAT(back.positions, ElementsAre(Vec3(0, 3e7, 0), Vec3(0, 3e7 + 3, 0), Vec3(-6, 3e7, 0),
+                                          Vec3(1e7, 0, 0), Vec3(1e7 + 1, 0, 0), Vec3(1e7, 2, 0),
+                                          Vec3(1e7, 0, 7), Vec3(1e7 + 1, 0, 7), Vec3(1e7, 2, 7)));
+  EXPECT_EQ(vector_area(back, 0), Vec3(0, 0, 9));
+  EXPECT_EQ(vector_area(back, 1), Vec3(0, 0, -1)) << "turned as its normals are";
+  EXPECT_EQ(back.corner_normals[3], -Vec3::UnitZ());
+  EXPECT_THAT(back.face_materials, ElementsAre(k_no_index, 0, k_no_index));
+}
+
 TEST(GltfBuilder, WritesTangentsAndSplitsVerticesWhereTheyDiffer) {
   PolygonSoup soup = test::two_triangles();
   for (const Index v : soup.corner_vertices) {
