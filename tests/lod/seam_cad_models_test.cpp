@@ -117,6 +117,34 @@ INSTANTIATE_TEST_SUITE_P(All, SeamModelOfFile,
                            return name;
                          });
 
+using SeamModelOfFineTriangles = SeamModelOfFile;
+
+TEST_F(SeamModelOfFineTriangles, HasNoneTurnedOverBesideBordersThatAreCoarser) {
+  for (const char* name : {"occ/bottle.brep", "step/screw.step"}) {
+    for (const CadPart& part : read_file(name).parts) {
+      const SeamModel model = build_seam_model(part);
+      const double seams = model.graph.tolerance;
+      SeamTessellation tessellation(model);
+      for (const double tolerance : {0.075 * seams, 0.3 * seams, seams}) {
+        const SeamUpdate update = tessellation.update(tolerance);
+        EXPECT_EQ(update.inverted, 0u) << name << ", " << tolerance / seams;
+        EXPECT_FALSE(update.refused.empty()) << name << ", " << tolerance / seams;
+        for (std::size_t patch = 0; patch < part.patches.size(); ++patch) {
+          const bool is_refused = std::count(update.refused.begin(), update.refused.end(), patch) > 0;
+          // Four times the seams' error is as coarse as it gets.
+          EXPECT_LE(tessellation.triangles_of(patch).error_bound, is_refused ? 4 * seams : tolerance);
+        }
+        EXPECT_TRUE(test::open_sides(tessellation.soup()).empty());
+        // What was found to be reached isn't tried again.
+        const SeamUpdate again = tessellation.update(tolerance);
+        EXPECT_EQ(again.tessellated + again.moves.splits + again.moves.merges, 0u);
+        EXPECT_EQ(again.refused, update.refused);
+        EXPECT_EQ(again.error_bound, update.error_bound);
+      }
+    }
+  }
+}
+
 using SeamModelOfIges = SeamModelOfFile;
 
 TEST_F(SeamModelOfIges, TurnsPatchesOfAFileThatKnowsNothingOfThem) {
