@@ -459,6 +459,10 @@ class TrimmedPatch:
         """n_u x n_v; None: all are 1."""
     @property
     def loops(self) -> list[list[TrimmingCurve]]: ...
+    def closest_point(
+        self, point: npt.ArrayLike
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float]:
+        """Of the whole surface, beyond the loops too: its (u, v), the point and its distance."""
     @property
     def is_reversed(self) -> bool:
         """The front is where du x dv points away."""
