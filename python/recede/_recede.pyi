@@ -509,6 +509,10 @@ class CadModel:
 
 def can_read_cad() -> bool: ...
 def read_cad(path: _Path, repair: bool, progress: _Progress) -> CadModel: ...
+def tessellate_cad(
+    model: CadModel, errors: Sequence[float], gap: float, use_connectivity: bool, progress: _Progress
+) -> list[dict[str, Any]]:
+    """`mesh`, `error_bound`, `max`, `rms`, `switch_distance`, `patches` and `missed` of each level"""
 def build_progressive(
     mesh: Mesh, settings: Mapping[str, Any], feature_angle: float, progress: _Progress
 ) -> ProgressiveMesh: ...
