@@ -110,6 +110,55 @@ TEST_P(SeamModelOfFile, IsClosedAndWithinItsBoundsForAnyTolerances) {
   }
 }
 
+// Bounds are proved; 10 000 points of every face confirm them.
+void expect_faces_within(const CadPart& part, const std::string& name, double share, std::size_t n_points) {
+  const SeamModel model = build_seam_model(part);
+  SeamTessellation tessellation(model);
+  const double tolerance = share * model.size;
+  const SeamUpdate update = tessellation.update(tolerance);
+  EXPECT_TRUE(update.refused.empty()) << name;
+  std::mt19937 random(91);
+  for (std::size_t patch = 0; patch < part.patches.size(); ++patch) {
+    const PatchTriangles& triangles = tessellation.triangles_of(patch);
+    if (triangles.triangles.empty()) continue;  // vanished
+    const PatchSurface& surface = model.surfaces[patch];
+    const test::TrimmedRegion region(part.patches[patch], surface, 64);
+    const ClosestPointTree tree = test::tree_of(triangles);
+    std::size_t n = 0;
+    double largest = 0;
+    // A region may be a small part of its box.
+    for (int round = 0; round < 500 && n < n_points; ++round) {
+      for (const Vec2& uv : region.places(n_points - n, random)) {
+        largest = std::max(largest, tree.closest(surface.shape.evaluate(uv)).squared_distance);
+        ++n;
+      }
+    }
+    EXPECT_EQ(n, n_points) << name << ", patch " << patch;
+    EXPECT_LE(std::sqrt(largest),
+              std::min(tolerance, triangles.error_bound) + region.slack_of_inside() + 1e-12 * model.size)
+        << name << ", patch " << patch;
+    // So that the comparison says something.
+    EXPECT_LE(region.slack_of_inside(), 0.1 * tolerance) << name << ", patch " << patch;
+  }
+}
+
+TEST(SeamModelOfShapes, IsWithinItsToleranceAtTenThousandPointsOfEveryFace) {
+  const std::vector<Shape> shapes{{"rounded box", [] { return test::cad_rounded_box(); }},
+                                  {"bored sphere", test::cad_bored_sphere},
+                                  {"torus", [] { return test::cad_torus(); }},
+                                  {"cone", [] { return test::cad_cone(); }},
+                                  {"wavy block", test::cad_wavy_block},
+                                  {"offset", test::cad_offset_face}};
+  for (const Shape& shape : shapes) {
+    for (const CadPart& part : import_shape(shape.make()).parts)
+      expect_faces_within(part, shape.name, 1e-3, test::k_sanitized ? 100 : 10'000);
+  }
+}
+
+TEST_P(SeamModelOfFile, IsWithinItsToleranceAtTenThousandPointsOfEveryFace) {
+  for (const CadPart& part : read_file(GetParam()).parts) expect_faces_within(part, GetParam(), 1e-3, 10'000);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SeamModelOfFile,
                          testing::Values("occ/bottle.brep", "step/linkrods.step", "step/screw.step"),
                          [](const auto& tested) {
