@@ -20,7 +20,7 @@ struct Prepared {
 };
 
 SeamModelOptions model_options(double deflection) {
-  return {{.tolerance = k_seam_share * deflection}, {.largest_error = deflection}};
+  return {{.tolerance = deflection}, {.largest_error = deflection}};
 }
 
 Prepared prepare(const CadSubject& subject, double deflection) {

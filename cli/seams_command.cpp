@@ -102,7 +102,7 @@ void run(SeamsOptions options) {
   const double diagonal = cad_diagonal(model);
   const double error = options.absolute->count() > 0 ? options.error : options.relative_error * diagonal;
   if (!(error > 0)) throw OptionError("the error of seams is above 0");
-  options.seams.tolerance = k_seam_share * error;
+  options.seams.tolerance = error;
   std::vector<PartSeams> parts;
   for (const CadPart& part : model.parts) {
     SeamModel made = build_seam_model(part, {options.seams, {}}, &progress);

@@ -98,7 +98,7 @@ void run(const WalkOptions& options) {
   const CadModel model = read_cad(options.input, {}, &progress);
   const double diagonal = cad_diagonal(model);
   SeamGraphOptions seams = options.seams;
-  seams.tolerance = k_seam_share * options.relative_error * diagonal;
+  seams.tolerance = options.relative_error * diagonal;
   std::vector<SeamModel> parts;
   parts.reserve(model.parts.size());
   for (const CadPart& part : model.parts) parts.push_back(build_seam_model(part, {seams, {}}, &progress));

@@ -9,12 +9,20 @@
 
 namespace recede {
 
+/// In how many ways a surface bends.
+enum class SurfaceBend {
+  none,     ///< a parallelogram
+  one_way,  ///< along u or v alone, as a cylinder does
+  both,     ///< or it isn't known better
+};
+
 struct PatchSurface {
   BezierPatches shape;
   SurfaceBounds bounds;
+  SurfaceBend bend = SurfaceBend::both;
 
-  explicit PatchSurface(const NurbsSurface& surface, double finest = 0)
-      : shape(surface), bounds(shape, finest) {}
+  /// `finest`: of `SurfaceBounds`.
+  explicit PatchSurface(const NurbsSurface& surface, double finest = 0);
 };
 
 /// In parallel. `finest`: of `SurfaceBounds`. Throws `InputError` that names the patch.

@@ -96,7 +96,7 @@ class CadLevels {
       const CadPart& part = model_.parts[i];
       report_progress(progress_, "parts", static_cast<double>(i) / static_cast<double>(model_.parts.size()));
       SeamModelOptions options;
-      options.seams.tolerance = k_seam_share * errors_.front() / scales_[i];
+      options.seams.tolerance = errors_.front() / scales_[i];
       options.seams.gap = options_.gap / scales_[i];
       options.seams.use_connectivity = options_.use_connectivity;
       options.hierarchy.largest_error = errors_.back() / scales_[i];

@@ -1,3 +1,4 @@
+#include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/edge_sampling.h>
 
 #include <algorithm>
@@ -8,6 +9,8 @@ namespace recede::detail {
 namespace {
 
 constexpr int k_most_halvings = 16;
+// What seams may take of a tolerance, and chords alone of curved surfaces.
+constexpr double k_share_of_all = 1 - k_for_sewing, k_share_of_straight = 0.75, k_share_of_curved = 0.6;
 
 // The control points of a use between two shares, times weights, in the edge's direction.
 using CurveNet = std::vector<Vec3>;
@@ -85,13 +88,55 @@ CurveNet net_between(const SeamCurve& use, double from, double to) {
   return net;
 }
 
-std::array<CurveNet, 2> halves(const CurveNet& net) {
+std::array<CurveNet, 2> divided(const CurveNet& net, double at) {
   CurveNet left = net, right = net;
   for (std::size_t round = 1; round < net.size(); ++round) {
-    for (std::size_t i = 0; i + round < net.size(); ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+    for (std::size_t i = 0; i + round < net.size(); ++i) right[i] = (1 - at) * right[i] + at * right[i + 1];
     left[round] = right[0];
   }
   return {left, right};
+}
+
+double flat_width(const BezierPatches& plane, std::span<const Vec2> points, const Vec2& from,
+                  const Vec2& to) {
+  const Vec3 start = plane.evaluate(from), end = plane.evaluate(to);
+  double widest = 0;
+  for (const Vec2& point : points) {
+    const Vec3 there = plane.evaluate(point);
+    widest = std::max(widest, (there - closest_point_on_segment(there, start, end)).norm());
+  }
+  return widest;
+}
+
+double bounded_width(const DerivativeBounds& most, std::span<const Vec2> points, const Vec2& from,
+                     const Vec2& to) {
+  const Vec2 scale(most.u, most.v);
+  const Vec2 chord = (to - from).cwiseProduct(scale);
+  const double squared = chord.squaredNorm();
+  double widest = 0;
+  for (const Vec2& point : points) {
+    const Vec2 away = (point - from).cwiseProduct(scale);
+    const double share = squared > 0 ? std::clamp(away.dot(chord) / squared, 0.0, 1.0) : 0.0;
+    widest = std::max(widest, (away - share * chord).lpNorm<1>());
+  }
+  return widest;
+}
+
+// The distance from a chord is convex, and nothing at its ends: a curve is nearer than its control points by
+// the largest share that those between the ends have in a point of it.
+double curve_share(const CurveNet& net) {
+  const double of_ends = std::exp2(2.0 - static_cast<double>(net.size()));  // without weights, at least
+  double least_end = std::min(net.front().z(), net.back().z()), most_between = 0;
+  for (std::size_t i = 1; i + 1 < net.size(); ++i) most_between = std::max(most_between, net[i].z());
+  const double between = most_between * (1 - of_ends), ends = least_end * of_ends;
+  return between / (between + ends);
+}
+
+// Of the strip between a curve and the chord of its ends.
+double curve_width(const PatchSurface& surface, const CurveNet& net) {
+  std::vector<Vec2> points;
+  for (const Vec3& point : net) points.push_back(projected(point));
+  return curve_share(net) * strip_width(surface, points, points.front(), points.back());
 }
 
 class EdgeSampler {
@@ -106,46 +151,95 @@ class EdgeSampler {
       result_[k].uvs.push_back(evaluate(*uses_[k].curve, result_[k].parameters[0]));
     }
     for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
-      std::vector<CurveNet> nets;
+      Nets nets;
       for (const SeamCurve& use : uses_) {
         nets.push_back(
             net_between(use, parameter_at(use, breaks[i], true), parameter_at(use, breaks[i + 1], false)));
       }
-      const double end = i + 2 < breaks.size() ? breaks[i + 1].first : 1;
-      add(nets, {i > 0 ? breaks[i].first : 0, end}, k_most_halvings);
+      const double begin = i > 0 ? breaks[i].first : 0, end = i + 2 < breaks.size() ? breaks[i + 1].first : 1;
+      for (const Chord& chord : chords_of(nets, {begin, end}, k_most_halvings)) add(chord);
     }
     return std::move(result_);
   }
 
  private:
-  // Adds the points of a piece without its first.
-  void add(const std::vector<CurveNet>& nets, const ParameterRange& shares, int halvings_left) {
-    std::vector<double> widths;
-    bool is_good = true;
+  using Nets = std::vector<CurveNet>;  // of a piece of the edge, by use
+
+  struct Chord {
+    double end;  // as share of the edge
+    double error = 0;
+    std::vector<Vec2> ends;      // by use
+    std::vector<double> widths;  // by use
+  };
+
+  Chord chord_of(const Nets& nets, double end) const {
+    Chord chord{end, 0, {}, {}};
     for (std::size_t k = 0; k < uses_.size(); ++k) {
-      std::vector<Vec2> points;
-      for (const Vec3& point : nets[k]) points.push_back(projected(point));
-      const SurfaceBounds& bounds = uses_[k].surface->bounds;
-      widths.push_back(strip_width(bounds, points, points.front(), points.back()));
-      is_good = is_good && widths.back() + bounds.deviation(points.front(), points.back()) <= tolerance_;
+      const PatchSurface& surface = *uses_[k].surface;
+      const double width = curve_width(surface, nets[k]);
+      chord.ends.push_back(projected(nets[k].back()));
+      chord.widths.push_back(width);
+      const double deviation = surface.bounds.deviation(projected(nets[k].front()), chord.ends.back());
+      chord.error = std::max(chord.error, seam_error(surface.bend, width, deviation));
     }
-    if (is_good || halvings_left == 0) {
-      for (std::size_t k = 0; k < uses_.size(); ++k) {
-        result_[k].parameters.push_back(parameter_at(uses_[k], shares.end));
-        result_[k].uvs.push_back(projected(nets[k].back()));
-        result_[k].widths.push_back(widths[k]);
-      }
-      return;
-    }
-    std::vector<CurveNet> left, right;
-    for (const CurveNet& net : nets) {
-      std::array<CurveNet, 2> both = halves(net);
-      left.push_back(std::move(both[0]));
-      right.push_back(std::move(both[1]));
-    }
+    return chord;
+  }
+
+  // The fewest of equal parts of a piece, or of those of its halves.
+  std::vector<Chord> chords_of(const Nets& nets, const ParameterRange& shares, int halvings_left) const {
+    const Chord whole = chord_of(nets, shares.end);
+    if (whole.error <= tolerance_ || halvings_left == 0) return {whole};
+    const auto [left, right] = divided_all(nets, 0.5);
     const double middle = (shares.begin + shares.end) / 2;
-    add(left, {shares.begin, middle}, halvings_left - 1);
-    add(right, {middle, shares.end}, halvings_left - 1);
+    std::vector<Chord> chords = chords_of(left, {shares.begin, middle}, halvings_left - 1);
+    const std::vector<Chord> others = chords_of(right, {middle, shares.end}, halvings_left - 1);
+    chords.insert(chords.end(), others.begin(), others.end());
+    for (std::size_t n = fewest_parts(whole.error); n < chords.size(); ++n) {
+      std::vector<Chord> parts = equal_parts(nets, shares, n);
+      if (parts.size() == n) return parts;
+    }
+    return chords;
+  }
+
+  // Errors grow with squares of lengths, but not alike everywhere.
+  std::size_t fewest_parts(double error) const {
+    constexpr double k_for_unlike = 0.75;
+    const double parts = k_for_unlike * std::sqrt(error / tolerance_);
+    return parts < 3 ? 3 : static_cast<std::size_t>(std::min(parts, 1e6));
+  }
+
+  // Fewer than n where one of them isn't good enough.
+  std::vector<Chord> equal_parts(const Nets& nets, const ParameterRange& shares, std::size_t n) const {
+    std::vector<Chord> parts;
+    Nets rest = nets;
+    for (std::size_t i = 1; i <= n; ++i) {
+      const double end =
+          i < n ? shares.begin + shares.length() * static_cast<double>(i) / static_cast<double>(n)
+                : shares.end;
+      Nets part = rest;
+      if (i < n) std::tie(part, rest) = divided_all(rest, 1.0 / static_cast<double>(n - i + 1));
+      parts.push_back(chord_of(part, end));
+      if (!(parts.back().error <= tolerance_)) return {};
+    }
+    return parts;
+  }
+
+  static std::pair<Nets, Nets> divided_all(const Nets& nets, double at) {
+    std::pair<Nets, Nets> both;
+    for (const CurveNet& net : nets) {
+      std::array<CurveNet, 2> parts = divided(net, at);
+      both.first.push_back(std::move(parts[0]));
+      both.second.push_back(std::move(parts[1]));
+    }
+    return both;
+  }
+
+  void add(const Chord& chord) {
+    for (std::size_t k = 0; k < uses_.size(); ++k) {
+      result_[k].parameters.push_back(parameter_at(uses_[k], chord.end));
+      result_[k].uvs.push_back(chord.ends[k]);
+      result_[k].widths.push_back(chord.widths[k]);
+    }
   }
 
   std::span<const SeamCurve> uses_;
@@ -159,15 +253,20 @@ SampledUse sampled_at(const SeamCurve& use, std::span<const double> shares) {
     result.parameters.push_back(parameter_at(use, shares[i]));
     result.uvs.push_back(evaluate(*use.curve, result.parameters.back()));
     if (i == 0) continue;
-    std::vector<Vec2> points;
-    for (const Vec3& point : net_between(use, result.parameters[i - 1], result.parameters[i]))
-      points.push_back(projected(point));
-    result.widths.push_back(strip_width(use.surface->bounds, points, result.uvs[i - 1], result.uvs[i]));
+    result.widths.push_back(
+        curve_width(*use.surface, net_between(use, result.parameters[i - 1], result.parameters[i])));
   }
   return result;
 }
 
 }  // namespace
+
+double seam_error(SurfaceBend bend, double strip, double deviation) {
+  const double share = bend == SurfaceBend::none      ? k_share_of_all
+                       : bend == SurfaceBend::one_way ? k_share_of_straight
+                                                      : k_share_of_curved;
+  return std::max((strip + deviation) / k_share_of_all, deviation / share);
+}
 
 std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces) {
   return EdgeSampler(uses, tolerance).run(least_pieces);
@@ -247,7 +346,7 @@ std::vector<SampledUse> sample_matched_edge(std::span<const SeamCurve> uses, dou
   return result;
 }
 
-double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, const Vec2& from,
+double strip_width(const PatchSurface& surface, std::span<const Vec2> points, const Vec2& from,
                    const Vec2& to) {
   ParameterBox around;
   around.extend(from);
@@ -257,17 +356,9 @@ double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, co
   // On the chord already: parallel to an axis.
   if (around.contains(chord_box) && chord_box.contains(around) && (around.sizes().array() == 0).any())
     return 0;
-  const DerivativeBounds most = bounds.derivatives(around);
-  const Vec2 scale(most.u, most.v);
-  const Vec2 chord = (to - from).cwiseProduct(scale);
-  const double squared = chord.squaredNorm();
-  double widest = 0;
-  for (const Vec2& point : points) {
-    const Vec2 away = (point - from).cwiseProduct(scale);
-    const double share = squared > 0 ? std::clamp(away.dot(chord) / squared, 0.0, 1.0) : 0.0;
-    widest = std::max(widest, (away - share * chord).lpNorm<1>());
-  }
-  return widest;
+  return surface.bend == SurfaceBend::none
+             ? flat_width(surface.shape, points, from, to)
+             : bounded_width(surface.bounds.derivatives(around), points, from, to);
 }
 
 }  // namespace recede::detail

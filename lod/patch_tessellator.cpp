@@ -1,6 +1,6 @@
-#include <recede/geometry/constrained_delaunay.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/lattice_seeds.h>
+#include <recede/lod/detail/loop_triangulation.h>
 #include <recede/lod/detail/triangle_deviation.h>
 #include <recede/lod/patch_tessellator.h>
 
@@ -86,25 +86,7 @@ class PatchRefiner {
     scale_ = metric_of(surface_.shape, domain_);
     std::vector<Vec2> points;
     for (const Vec2& uv : result_.uvs) points.push_back(uv.cwiseProduct(scale_));
-    delaunay_.emplace(points, edges_);
-    delaunay_->keep_inside(InsideRule::winding);
-    check_inside();
-  }
-
-  // Something is inside, to the left of its loops.
-  void check_inside() const {
-    bool is_empty = true;
-    for (const DelaunayTriangle& triangle : delaunay_->triangles()) {
-      if (!triangle.is_inside) continue;
-      is_empty = false;
-      for (int k = 0; k < 3; ++k) {
-        const Index across = triangle.neighbour(k);
-        const bool is_border = across == k_no_index || !delaunay_->is_inside(across);
-        if (is_border && triangle.turns[static_cast<std::size_t>(k)] < 0)
-          throw InputError("loops of a patch run the wrong way around it");
-      }
-    }
-    if (is_empty) throw InputError("loops of a patch go around nothing");
+    delaunay_ = detail::triangulate_loops(points, edges_);
   }
 
   std::array<Vec2, 3> uvs_of(const DelaunayTriangle& triangle) const {
@@ -114,30 +96,32 @@ class PatchRefiner {
 
   bool is_of_loop(Index point) const { return point < moves_.size(); }
 
-  // What is left of the tolerance after the strips along its sides, and after what its corners were moved.
-  double allowance(const DelaunayTriangle& triangle) const {
-    double width = 0, move = 0;
-    for (int k = 0; k < 3; ++k) {
-      if (is_of_loop(triangle.vertex(k))) move = std::max(move, moves_[triangle.vertex(k)]);
-      if (triangle.is_constrained(k)) width = std::max(width, width_of(triangle, k));
+  // How far sewing moved its corners, at most.
+  double move_of(const DelaunayTriangle& triangle) const {
+    double move = 0;
+    for (const Index point : triangle.vertices) {
+      if (is_of_loop(point)) move = std::max(move, moves_[point]);
     }
-    return options_.tolerance - move - width;
+    return move;
   }
 
-  double width_of(const DelaunayTriangle& triangle, int side) const {
+  // Of the strip between a side of a loop and its trimming curve: how far it is from the side.
+  double strip_error(const DelaunayTriangle& triangle, int side) const {
     // Counter-clockwise, sides run as loops do.
-    return widths_[triangle.from(side)];
+    const Index from = triangle.from(side), to = triangle.to(side);
+    return widths_[from] + surface_.bounds.deviation(result_.uvs[from], result_.uvs[to]) +
+           std::max(moves_[from], moves_[to]);
   }
 
   double deviation(const DelaunayTriangle& triangle, double enough) const {
     return detail::triangle_deviation(surface_, uvs_of(triangle), std::max(enough, 0.0));
   }
 
-  // What refinement aims at. Where strips, moves or a side of a loop leave less, no point within would ever
-  // do: as near as helps the rest.
+  // What refinement aims at. Where moves or a side of a loop leave less, no point within would ever do: as
+  // near as helps the rest.
   double aim(const DelaunayTriangle& triangle) const {
     constexpr double k_least_share = 0.25, k_near_side = 1.25;
-    double result = std::max(allowance(triangle), k_least_share * options_.tolerance);
+    double result = std::max(options_.tolerance - move_of(triangle), k_least_share * options_.tolerance);
     for (int k = 0; k < 3; ++k) {
       // Beside a side that is one point in space, points do help.
       if (!triangle.is_constrained(k) || is_one_point(triangle, k)) continue;
@@ -388,8 +372,12 @@ class PatchRefiner {
     double worst = 0;
     for (const DelaunayTriangle& triangle : delaunay_->triangles()) {
       if (!triangle.is_inside) continue;
-      const double used = options_.tolerance - allowance(triangle);
-      worst = std::max(worst, used + deviation(triangle, options_.tolerance - used));
+      const double move = move_of(triangle);
+      worst = std::max(worst, move + deviation(triangle, options_.tolerance - move));
+      for (int k = 0; k < 3; ++k) {
+        if (triangle.is_constrained(k) && widths_[triangle.from(k)] > 0)
+          worst = std::max(worst, strip_error(triangle, k));
+      }
       if (!is_flat(triangle)) result_.triangles.push_back(triangle.vertices);
     }
     result_.error_bound = worst;

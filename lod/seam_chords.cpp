@@ -28,11 +28,11 @@ void points_to_next(const SeamGraph& graph, const ActiveLoops& loops, Index slot
 }
 
 double strip_to_next(const SeamGraph& graph, const ActiveLoops& loops, Index slot,
-                     const std::vector<Vec2>& points, const SurfaceBounds& bounds) {
+                     const std::vector<Vec2>& points, const PatchSurface& surface) {
   double width = 0;
   each_to_next(graph, loops, slot,
                [&](Index at) { width = std::max(width, static_cast<double>(graph.widths[at])); });
-  return points.size() == 2 ? width : width + strip_width(bounds, points, points.front(), points.back());
+  return points.size() == 2 ? width : width + strip_width(surface, points, points.front(), points.back());
 }
 
 }  // namespace recede::detail

@@ -84,7 +84,7 @@ class SeamFront::Impl {
         detail::points_to_next(graph_, loops_, slot, points);
         loop.widths.push_back(points.size() == 2 ? graph_.widths[slot]
                                                  : detail::rounded_up(detail::strip_to_next(
-                                                       graph_, loops_, slot, points, surface.bounds)));
+                                                       graph_, loops_, slot, points, surface)));
         slot = loops_.next(slot);
       } while (slot != start);
       result.push_back(std::move(loop));

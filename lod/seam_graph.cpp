@@ -1,6 +1,7 @@
 #include <recede/geometry/detail/interval.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/edge_sampling.h>
+#include <recede/lod/detail/loop_triangulation.h>
 #include <recede/lod/detail/shared_edges.h>
 #include <recede/lod/seam_graph.h>
 
@@ -30,7 +31,7 @@ Box3 box_of(std::span<const PatchSurface> surfaces) {
 SeamGraphOptions completed(SeamGraphOptions options, std::span<const PatchSurface> surfaces) {
   if (!(options.tolerance >= 0 && options.gap >= 0)) throw OptionError("tolerances of seams are at least 0");
   if (options.tolerance == 0) options.tolerance = k_default_tolerance * box_of(surfaces).diagonal().norm();
-  if (options.gap == 0) options.gap = options.tolerance;
+  if (options.gap == 0) options.gap = options.tolerance / 2;
   return options;
 }
 
@@ -47,9 +48,8 @@ class GraphBuilder {
     report_progress(progress, "seams", 0.3);
     sample();
     report_progress(progress, "seams", 0.8);
-    number_vertices();
-    fill_loops();
-    place_vertices();
+    connect();
+    refine_moved();
     graph_.tolerance = options_.tolerance;
     report_progress(progress, "seams", 1);
     return std::move(graph_);
@@ -62,31 +62,161 @@ class GraphBuilder {
   };
 
   void sample() {
-    std::vector<std::vector<std::size_t>> uses(edges_.is_parallel.size());
-    for (std::size_t i = 0; i < edges_.pieces.size(); ++i) uses[edges_.pieces[i].edge].push_back(i);
-    const std::vector<int> least_pieces = least_pieces_of_all();
+    uses_.resize(edges_.is_parallel.size());
+    for (std::size_t i = 0; i < edges_.pieces.size(); ++i) uses_[edges_.pieces[i].edge].push_back(i);
+    least_pieces_ = least_pieces_of_all();
     runs_.resize(edges_.pieces.size());
-    tbb::parallel_for(std::size_t{0}, uses.size(), [&](std::size_t edge) {
-      std::vector<SeamCurve> of_edge;
-      int least = 1;
-      for (const std::size_t i : uses[edge]) {
-        const CurvePiece& piece = edges_.pieces[i];
-        of_edge.push_back({&surfaces_[piece.patch],
-                           &patches_[piece.patch].loops[piece.loop].curves[piece.curve].curve, piece.range,
-                           piece.runs_against});
-        least = std::max(least, least_pieces[i]);
+    tbb::parallel_for(std::size_t{0}, uses_.size(),
+                      [&](std::size_t edge) { sample(edge, options_.tolerance); });
+    uncross();
+  }
+
+  void sample(std::size_t edge, double tolerance) {
+    std::vector<SeamCurve> of_edge;
+    int least = 1;
+    for (const std::size_t i : uses_[edge]) {
+      const CurvePiece& piece = edges_.pieces[i];
+      of_edge.push_back({&surfaces_[piece.patch],
+                         &patches_[piece.patch].loops[piece.loop].curves[piece.curve].curve, piece.range,
+                         piece.runs_against});
+      least = std::max(least, least_pieces_[i]);
+    }
+    std::vector<SampledUse> sampled;
+    if (edges_.pieces[uses_[edge].front()].is_point) {
+      sampled = sample_edge(of_edge, std::numeric_limits<double>::infinity(), k_pieces_of_points);
+    } else if (edges_.is_parallel[edge] || of_edge.size() == 1) {
+      sampled = sample_edge(of_edge, tolerance, least);
+    } else {
+      sampled = sample_matched_edge(of_edge, tolerance, options_.gap, least);
+    }
+    for (std::size_t k = 0; k < of_edge.size(); ++k)
+      runs_[uses_[edge][k]] = {std::move(sampled[k]), of_edge[k].runs_against};
+  }
+
+  // Numbers the points of all poly-lines and sews.
+  void connect() {
+    const SeamReport found = graph_.report;
+    graph_ = {};
+    graph_.report = found;
+    graph_.report.largest_move = 0;
+    corners_.clear();
+    number_vertices();
+    fill_loops();
+    place_vertices();
+  }
+
+  // Where sewing moves ends of chords, less is left for the chords.
+  void refine_moved() {
+    constexpr int k_most_rounds = 3;
+    double tolerance = options_.tolerance;
+    for (int round = 0; round < k_most_rounds; ++round) {
+      const std::vector<std::size_t> coarse = edges_beyond_tolerance();
+      if (coarse.empty()) return;
+      tolerance /= 2;
+      tbb::parallel_for(std::size_t{0}, coarse.size(), [&](std::size_t i) { sample(coarse[i], tolerance); });
+      connect();
+    }
+  }
+
+  std::vector<std::size_t> edges_beyond_tolerance() const {
+    std::vector<std::size_t> edges;
+    std::size_t slot = 0;
+    each_loop([&](std::size_t first, std::size_t end) {
+      const std::size_t first_slot = slot;
+      for (std::size_t i = first; i < end; ++i) {
+        for (std::size_t k = 1; k < runs_[i].points.uvs.size(); ++k, ++slot) {
+          const bool is_last = i + 1 == end && k + 1 == runs_[i].points.uvs.size();
+          if (is_beyond_tolerance(edges_.pieces[i], slot, is_last ? first_slot : slot + 1))
+            edges.push_back(edges_.pieces[i].edge);
+        }
       }
-      std::vector<SampledUse> sampled;
-      if (edges_.pieces[uses[edge].front()].is_point) {
-        sampled = sample_edge(of_edge, std::numeric_limits<double>::infinity(), k_pieces_of_points);
-      } else if (edges_.is_parallel[edge] || of_edge.size() == 1) {
-        sampled = sample_edge(of_edge, options_.tolerance, least);
-      } else {
-        sampled = sample_matched_edge(of_edge, options_.tolerance, options_.gap, least);
-      }
-      for (std::size_t k = 0; k < of_edge.size(); ++k)
-        runs_[uses[edge][k]] = {std::move(sampled[k]), of_edge[k].runs_against};
     });
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+  }
+
+  bool is_beyond_tolerance(const CurvePiece& piece, std::size_t slot, std::size_t next) const {
+    const double move = std::max(moves_[slot], moves_[next]);
+    if (edges_.is_parallel[piece.edge] && move <= detail::k_for_sewing * options_.tolerance) return false;
+    const double rest = options_.tolerance - move;  // none: a gap of the file, for which no chord is better
+    return rest > 0 &&
+           static_cast<double>(graph_.widths[slot]) +
+                   surfaces_[piece.patch].bounds.deviation(graph_.slots[slot].uv, graph_.slots[next].uv) >
+               rest;
+  }
+
+  // Coarse poly-lines of curves that run near to one another can cross: those patches get finer ones, for as
+  // long as that helps.
+  void uncross() {
+    constexpr int k_most_rounds = 4;
+    double tolerance = options_.tolerance;
+    std::vector<std::size_t> crossed = crossed_patches();
+    for (int round = 0; round < k_most_rounds && !crossed.empty(); ++round) {
+      tolerance /= 4;
+      for (const std::size_t first : crossed) {
+        each_piece_of_patch(first, [&](std::size_t i) { sample(edges_.pieces[i].edge, tolerance); });
+      }
+      crossed = crossed_patches();
+    }
+    for (const std::size_t first : crossed) {
+      each_piece_of_patch(first, [&](std::size_t i) { sample(edges_.pieces[i].edge, options_.tolerance); });
+    }
+  }
+
+  // Their first pieces.
+  std::vector<std::size_t> crossed_patches() const {
+    std::vector<std::size_t> firsts, crossed;
+    for (std::size_t i = 0; i < edges_.pieces.size(); ++i) {
+      if (i == 0 || edges_.pieces[i].patch != edges_.pieces[i - 1].patch) firsts.push_back(i);
+    }
+    std::vector<unsigned char> crosses(firsts.size());
+    tbb::parallel_for(std::size_t{0}, firsts.size(),
+                      [&](std::size_t k) { crosses[k] = has_crossed_loops(firsts[k]) ? 1 : 0; });
+    for (std::size_t k = 0; k < firsts.size(); ++k) {
+      if (crosses[k]) crossed.push_back(firsts[k]);
+    }
+    return crossed;
+  }
+
+  bool has_crossed_loops(std::size_t first) const {
+    std::vector<Vec2> points;
+    std::vector<std::array<Index, 2>> sides;
+    std::size_t start = 0;
+    Index loop = 0;
+    const auto close = [&] {
+      if (!sides.empty()) sides.back()[1] = static_cast<Index>(start);
+      start = points.size();
+    };
+    each_piece_of_patch(first, [&](std::size_t i) {
+      if (edges_.pieces[i].loop != loop) close();
+      loop = edges_.pieces[i].loop;
+      each_point(i, [&](std::size_t at) {
+        const auto here = static_cast<Index>(points.size());
+        points.push_back(runs_[i].points.uvs[at]);
+        sides.push_back({here, here + 1});
+      });
+    });
+    close();
+    try {
+      detail::triangulate_loops(points, sides);
+    } catch (const InputError&) {
+      return true;
+    }
+    return false;
+  }
+
+  template <typename Visit>
+  void each_piece_of_patch(std::size_t first, Visit&& visit) const {
+    const std::vector<CurvePiece>& pieces = edges_.pieces;
+    for (std::size_t i = first; i < pieces.size() && pieces[i].patch == pieces[first].patch; ++i) visit(i);
+  }
+
+  // All points of a piece but its last, in its own direction.
+  template <typename Visit>
+  void each_point(std::size_t i, Visit&& visit) const {
+    const std::size_t last = runs_[i].points.uvs.size() - 1;
+    for (std::size_t k = 0; k < last; ++k) visit(runs_[i].runs_against ? last - k : k);
   }
 
   // So many that a loop isn't without area.
@@ -151,23 +281,20 @@ class GraphBuilder {
       graph_.patch_loops.push_back(static_cast<Index>(n_loops));
   }
 
-  // All points of a piece but its last, in its own direction.
   void add_run(std::size_t i) {
     const Run& run = runs_[i];
-    const std::size_t last = run.points.uvs.size() - 1;
-    for (std::size_t k = 0; k < last; ++k) {
-      const std::size_t at = run.runs_against ? last - k : k;
+    each_point(i, [&](std::size_t at) {
       graph_.slots.push_back({run.points.uvs[at], vertex_of(i, at)});
       const double width = run.points.widths[run.runs_against ? at - 1 : at];
-      graph_.widths.push_back(
-          std::nextafter(static_cast<float>(width), std::numeric_limits<float>::infinity()));
-    }
+      graph_.widths.push_back(width > 0 ? detail::rounded_up(width) : 0);
+    });
   }
 
   void place_vertices() {
     graph_.positions.assign(n_vertices_, Vec3::Zero());
     std::vector<Index> counts(n_vertices_, 0);
     std::vector<Vec3> own(graph_.slots.size());
+    moves_.resize(graph_.slots.size());
     each_slot([&](std::size_t patch, std::size_t slot) {
       const auto& [uv, vertex] = graph_.slots[slot];
       own[slot] = surfaces_[patch].shape.evaluate(uv);
@@ -176,8 +303,8 @@ class GraphBuilder {
     });
     for (std::size_t i = 0; i < counts.size(); ++i) graph_.positions[i] /= counts[i];
     each_slot([&](std::size_t, std::size_t slot) {
-      const double move = (own[slot] - graph_.positions[graph_.slots[slot].vertex]).norm();
-      graph_.report.largest_move = std::max(graph_.report.largest_move, move);
+      moves_[slot] = (own[slot] - graph_.positions[graph_.slots[slot].vertex]).norm();
+      graph_.report.largest_move = std::max(graph_.report.largest_move, moves_[slot]);
     });
   }
 
@@ -194,10 +321,13 @@ class GraphBuilder {
   std::span<const PatchSurface> surfaces_;
   SeamGraphOptions options_;
   SharedEdges edges_;
-  std::vector<Run> runs_;  // by piece
+  std::vector<std::vector<std::size_t>> uses_;  // by edge: its pieces
+  std::vector<int> least_pieces_;               // by piece
+  std::vector<Run> runs_;                       // by piece
   std::unordered_map<Index, Index> corners_;
   std::vector<Index> first_within_;  // by edge: the vertex after its first corner
   Index n_vertices_ = 0;
+  std::vector<double> moves_;  // by slot, by sewing
   SeamGraph graph_;
 };
 

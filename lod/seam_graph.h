@@ -54,7 +54,7 @@ struct SeamGraph {
       widths;  ///< by slot: how far trimming curve and chord up to the next slot are apart in space, at most
   std::vector<Index> loop_offsets{0};  ///< loop l has slots [offsets[l], offsets[l + 1])
   std::vector<Index> patch_loops{0};   ///< patch p has loops [patch_loops[p], patch_loops[p + 1])
-  double tolerance = 0;                ///< of the poly-lines
+  double tolerance = 0;                ///< of triangles, for which it is fine enough
   SeamReport report;
 
   std::size_t n_patches() const { return patch_loops.size() - 1; }
@@ -69,9 +69,10 @@ struct SeamGraph {
 };
 
 struct SeamGraphOptions {
-  /// Between trimming curves and poly-lines in space, in units of the model. 0: 1e-4 of its box's diagonal.
+  /// The least that triangles of patches will be asked for, in units of the model: poly-lines are as near to
+  /// trimming curves as that takes. 0: 1e-4 of the diagonal of the model's box.
   double tolerance = 0;
-  /// The widest gap that is sewn up, in units of the model. 0: the tolerance.
+  /// The widest gap that is sewn up, in units of the model. 0: half of the tolerance.
   double gap = 0;
   /// Takes from the file which patches share an edge, where it says so.
   bool use_connectivity = true;

@@ -74,8 +74,8 @@ class SeamCollapser {
     queue(vertex);
   }
 
-  struct Chord {       // from a slot to the next
-    double error = 0;  // strip beside it, and the surface's distance along it
+  struct Chord {  // from a slot to the next
+    double strip = 0, deviation = 0;
     ParameterBox box;
   };
   struct Candidate {
@@ -110,13 +110,18 @@ class SeamCollapser {
   }
 
   Chord chord_from(Index slot) const {
-    const SurfaceBounds& bounds = surfaces_[patch_of(slot)].bounds;
+    const PatchSurface& surface = surfaces_[patch_of(slot)];
     detail::points_to_next(graph_, loops_, slot, points_);
     Chord chord;
     for (const Vec2& point : points_) chord.box.extend(point);
-    chord.error = detail::strip_to_next(graph_, loops_, slot, points_, bounds) +
-                  bounds.deviation(points_.front(), points_.back());
+    chord.strip = detail::strip_to_next(graph_, loops_, slot, points_, surface);
+    chord.deviation = surface.bounds.deviation(points_.front(), points_.back());
     return chord;
+  }
+
+  double error_of(Index slot, const Chord& chord, Index kept) const {
+    return detail::seam_error(surfaces_[patch_of(slot)].bend, chord.strip,
+                              chord.deviation + end_moves(slot, kept));
   }
 
   // Carries a collapse out; the changes it made go to `changes_` behind what is there. False, with nothing
@@ -333,10 +338,8 @@ class SeamCollapser {
   double assess(std::size_t first, Index removed, Index kept, bool is_final) {
     collect_chords(first);
     double seams = 0, others = 0;
-    for (const Index slot : new_chords_)
-      seams = std::max(seams, chord_from(slot).error + end_moves(slot, kept));
-    for (const Index slot : moved_chords_)
-      seams = std::max(seams, chords_[slot].error + end_moves(slot, kept));
+    for (const Index slot : new_chords_) seams = std::max(seams, error_of(slot, chord_from(slot), kept));
+    for (const Index slot : moved_chords_) seams = std::max(seams, error_of(slot, chords_[slot], kept));
     each_lost_loop(first, [&](Index loop) {
       if (!is_outer_[loop]) others = std::max(others, hole_width(loop));
     });
@@ -346,7 +349,7 @@ class SeamCollapser {
     const double moved_by = (position(removed) - position(kept)).norm();
     others =
         std::max(others, largest_of_vanished(moved_by, is_final ? k_most_measured : k_most_tried, is_final));
-    return std::max(seams / k_seam_share, others);
+    return std::max(seams, others);
   }
 
   // Of all of a loop from its first point, in space: a hole that closes is nowhere farther from its border.
@@ -354,8 +357,7 @@ class SeamCollapser {
     const auto slots = graph_.loop(loop);
     std::vector<Vec2> points;
     for (const SeamSlot& slot : slots) points.push_back(slot.uv);
-    return detail::strip_width(surfaces_[patch_of_loop_[loop]].bounds, points, points[0],
-                               points[points.size() / 2]);
+    return detail::strip_width(surfaces_[patch_of_loop_[loop]], points, points[0], points[points.size() / 2]);
   }
 
   void queue(Index vertex) {

@@ -28,10 +28,6 @@ class SlotChange {
   Index packed_;
 };
 
-/// The share of a tolerance that seams may use. The rest is left for the inside of patches, so that it can
-/// always be reached.
-inline constexpr double k_seam_share = 0.5;
-
 /// A patch that had vanished when a collapse took the side away that stood for it, though none of its slots.
 struct VanishedAtSplit {
   Index split = 0, patch = 0;

@@ -228,8 +228,7 @@ class SeamTessellation::Impl {
     result.triangles += triangles.triangles.size();
     result.inverted += triangles.inverted;
     result.error_bound = std::max(result.error_bound, triangles.error_bound);
-    if (!triangles.reached_tolerance || triangles.error_bound > tolerance)
-      result.refused.push_back(static_cast<Index>(patch));
+    if (!(triangles.error_bound <= tolerance)) result.refused.push_back(static_cast<Index>(patch));
   }
 
   // What a patch was made for. While it tolerates the same it needn't be found again what that takes.

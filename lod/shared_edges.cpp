@@ -53,6 +53,9 @@ class EdgeFinder {
     return point_at(piece, piece.range.begin + share * piece.range.length());
   }
 
+  // What poly-lines may be off.
+  double near_enough() const { return options_.tolerance / 2; }
+
   void take_pieces() {
     std::vector<Index> uses;
     for (std::size_t patch = 0; patch < patches_.size(); ++patch) {
@@ -83,14 +86,14 @@ class EdgeFinder {
       piece.edge = k_no_index;
       piece.runs_against = false;
       piece.is_point = is_point(piece);
-      if (!piece.is_point) piece.line = polyline_of(use_of(piece), options_.tolerance);
+      if (!piece.is_point) piece.line = polyline_of(use_of(piece), near_enough());
     }
   }
 
   bool is_point(const Piece& piece) const {
     const Vec3 start = point_at_share(piece, 0);
     for (int i = 1; i <= 8; ++i) {
-      if ((point_at_share(piece, i / 8.0) - start).norm() > options_.tolerance) return false;
+      if ((point_at_share(piece, i / 8.0) - start).norm() > near_enough()) return false;
     }
     return true;
   }
@@ -157,10 +160,10 @@ class EdgeFinder {
         Piece before = piece;
         before.range.end = piece.range.begin = at.parameter;
         before.corners[1] = piece.corners[0] = at.node;
-        before.line = polyline_of(use_of(before), options_.tolerance);
+        before.line = polyline_of(use_of(before), near_enough());
         cut.push_back(std::move(before));
       }
-      if (!cuts.empty()) piece.line = polyline_of(use_of(piece), options_.tolerance);
+      if (!cuts.empty()) piece.line = polyline_of(use_of(piece), near_enough());
       cut.push_back(std::move(piece));
     }
     pieces_ = std::move(cut);
@@ -169,7 +172,7 @@ class EdgeFinder {
   std::vector<Cut> cuts_of(const Piece& piece) {
     std::vector<Cut> cuts;
     const Polyline& line = piece.line;
-    const double reach = options_.gap + options_.tolerance;
+    const double reach = options_.gap + near_enough();
     for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
       const Vec3 &a = line.points[i], &b = line.points[i + 1];
       grid_->each_near(a, b, reach, [&](Index node) {
@@ -235,7 +238,7 @@ class EdgeFinder {
   }
 
   bool coincide(const Piece& a, const Piece& b) const {
-    const double limit = options_.gap + options_.tolerance;
+    const double limit = options_.gap + near_enough();
     for (int i = 1; i < 8; ++i) {
       if (foot_on(b.line, point_at_share(a, i / 8.0)).distance > limit) return false;
       if (foot_on(a.line, point_at_share(b, i / 8.0)).distance > limit) return false;

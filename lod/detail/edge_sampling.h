@@ -25,9 +25,16 @@ struct SampledUse {
   std::vector<double> widths;
 };
 
-/// Samples all uses at equal shares of their ranges, so that between two points each of them, and its surface
-/// along the straight line of parameters, is within `tolerance` of the straight line in space. At least
-/// `least_pieces` pieces. Refines at most to 2^16 pieces between knots; `widths` says what was reached.
+/// The tolerance of triangles for which a chord is fine enough that has a strip of a width between itself and
+/// the trimming curve, and is as far from its surface as `deviation` says. Triangles beside it are no nearer
+/// to the surface, and where that bends in more than one way they need some of the tolerance for themselves.
+/// A share of the tolerance is left for what sewing moves.
+inline constexpr double k_for_sewing = 0.05;
+double seam_error(SurfaceBend bend, double strip, double deviation);
+
+/// Samples all uses at equal shares of their ranges, so that the `seam_error` between two points is within
+/// `tolerance` for each of them. At least `least_pieces` pieces. Refines at most to 2^16 pieces between
+/// knots; `widths` says what was reached.
 std::vector<SampledUse> sample_edge(std::span<const SeamCurve> uses, double tolerance, int least_pieces);
 
 /// The same for uses that run along one another at speeds of their own: each one's points are projected on to
@@ -52,9 +59,10 @@ Foot foot_on(const Polyline& line, const Vec3& point);
 /// A few steps of Newton's method from near the foot of a point on a use, within its range.
 double nearest_parameter(const SeamCurve& use, double t, const Vec3& point);
 
-/// How far the points of a curve or line are from the chord between `from` and `to` in space, at most: by the
-/// lengths of derivatives of the surface over all of them, times the difference of parameters.
-double strip_width(const SurfaceBounds& bounds, std::span<const Vec2> points, const Vec2& from,
+/// How far the points of a poly-line are from the chord between `from` and `to` in space, at most: by the
+/// lengths of derivatives of the surface over all of them, times the difference of parameters. On a flat
+/// surface the distance itself.
+double strip_width(const PatchSurface& surface, std::span<const Vec2> points, const Vec2& from,
                    const Vec2& to);
 
 }  // namespace recede::detail

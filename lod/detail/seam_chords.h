@@ -10,6 +10,6 @@ void points_to_next(const SeamGraph& graph, const ActiveLoops& loops, Index slot
 
 /// How far the strip between the trimming curve and the chord reaches in space, at most. `points` as above.
 double strip_to_next(const SeamGraph& graph, const ActiveLoops& loops, Index slot,
-                     const std::vector<Vec2>& points, const SurfaceBounds& bounds);
+                     const std::vector<Vec2>& points, const PatchSurface& surface);
 
 }  // namespace recede::detail

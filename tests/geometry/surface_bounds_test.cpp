@@ -1,5 +1,5 @@
-#include "nurbs_surfaces.h"
-#include <recede/geometry/surface_bounds.h>
+#include "trimmed_patches.h"
+#include <recede/geometry/patch_surface.h>
 
 #include <gtest/gtest.h>
 
@@ -113,6 +113,15 @@ TEST(SurfaceBounds, OfAPlaneAreNothing) {
   const SurfaceBounds bounds{BezierPatches(plane)};
   EXPECT_EQ(bounds.deviation({Vec2(0, 0), Vec2(1, 1), Vec2(0, 1)}).total(), 0);
   EXPECT_LT(bounds.normal_cone({Vec2(0, 0), Vec2(1, 1)}).angle, 1e-5);
+}
+
+TEST(PatchSurface, KnowsInHowManyWaysItBends) {
+  EXPECT_EQ(PatchSurface(test::parallelogram({1, 2, 3}, {3, 0, 1}, {0, 2, 0})).bend, SurfaceBend::none);
+  NurbsSurface twisted = test::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  twisted.points[3].z() += 1e-6;
+  EXPECT_EQ(PatchSurface(twisted).bend, SurfaceBend::both);
+  EXPECT_EQ(PatchSurface(test::can(2, 3)[0].surface).bend, SurfaceBend::one_way);
+  EXPECT_EQ(PatchSurface(test::ball(1)).bend, SurfaceBend::both);
 }
 
 // Four quarters of a circle have derivatives without jumps, though those of weights and points jump.

@@ -30,8 +30,8 @@ Tessellated tessellate(const TrimmedPatch& patch, double tolerance, std::size_t 
   Tessellated result{patch, PatchSurface(patch.surface), {}, {}, {}};
   const double size = result.surface.bounds.box(result.surface.shape.domain()).diagonal().norm();
   SeamGraphOptions options;
-  // Half of it, as seam models do; more would make points of whole shapes.
-  options.tolerance = std::min(tolerance / 2, 0.1 * size);
+  // More would make points of whole shapes.
+  options.tolerance = std::min(tolerance, 0.2 * size);
   options.gap = 1e-9 * tolerance;  // poles of small balls stay apart
   result.graph = build_seam_graph({&patch, 1}, {&result.surface, 1}, options);
   result.loops = result.graph.loops_of(0);
@@ -284,6 +284,18 @@ TEST(PatchTessellator, CountsWhatSewingMoved) {
 }
 
 // A border that is coarser than the tolerance can't be mended by points within: there are not many more.
+// What a strip takes of the tolerance isn't taken from triangles beside it, which end at its chord.
+TEST(PatchTessellator, TakesTheLargerOfStripsAndTriangles) {
+  TrimmedPatch patch = whole(parallelogram({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
+  patch.loops = {circle({0.5, 0.5}, 0.25, false)};
+  const Tessellated disc = tessellate(patch, 0.1);
+  EXPECT_TRUE(disc.triangles.reached_tolerance);
+  EXPECT_EQ(disc.triangles.error_bound,
+            static_cast<double>(*std::max_element(disc.graph.widths.begin(), disc.graph.widths.end())));
+  EXPECT_GT(disc.triangles.error_bound, 0.02);
+  EXPECT_EQ(disc.triangles.positions.size(), disc.graph.positions.size()) << "no points within a disc";
+}
+
 TEST(PatchTessellator, DoesNotTryForEverWhereLoopsAreCoarserThanItsTolerance) {
   Tessellated sheet = tessellate(whole(test::RandomNurbs(22).sheet(3, 3, 3, false)), 0.1);
   const std::size_t expected = tessellate(sheet.patch, 0.01).triangles.triangles.size();

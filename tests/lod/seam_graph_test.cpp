@@ -1,4 +1,7 @@
 #include "trimmed_patches.h"
+#include <recede/geometry/error.h>
+#include <recede/lod/detail/edge_sampling.h>
+#include <recede/lod/detail/loop_triangulation.h>
 #include <recede/lod/seam_graph.h>
 
 #include <gtest/gtest.h>
@@ -29,6 +32,18 @@ std::map<std::pair<Index, Index>, int> open_sides(const SeamGraph& graph) {
   }
   std::erase_if(sides, [](const auto& side) { return side.second == 0; });
   return sides;
+}
+
+bool is_simple(const std::vector<Vec2>& points) {
+  std::vector<std::array<Index, 2>> sides;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    sides.push_back({static_cast<Index>(i), static_cast<Index>((i + 1) % points.size())});
+  try {
+    detail::triangulate_loops(points, sides);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
 }
 
 TEST(SeamGraph, OfABoxHasEightPointsAndTwelveSeams) {
@@ -158,6 +173,65 @@ TEST(SeamGraph, KeepsPolesAsOnePoint) {
   for (const Vec3& point : graph.positions) poles += std::abs(point.z()) > 1 - 1e-12 ? 1 : 0;
   EXPECT_EQ(poles, 2u);
   EXPECT_EQ(graph.report.edges_by_position, 1u);
+}
+
+// A crescent between two arcs that come near to one another: chords of one cross those of the other where
+// both are coarse.
+TEST(SeamGraph, GetsFinerLoopsWhereCoarseOnesWouldCross) {
+  TrimmedPatch crescent = whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  const std::vector<double> knots{0, 0, 0, 0, 1, 1, 1, 1};
+  const NurbsCurve2 outer{3, knots, {{1, 0}, {1.3, 1.3}, {-1.3, 1.3}, {-1, 0}}, {}};
+  const NurbsCurve2 inner{3, knots, {{-1, 0}, {0.1, 1.05}, {1.05, 1.05}, {1, 0}}, {}};
+  crescent.surface = parallelogram({-2, 0, 0}, {4, 0, 0}, {0, 2, 0});
+  crescent.surface.knots = {std::vector<double>{-2, -2, 2, 2}, {0, 0, 2, 2}};
+  crescent.loops = {{{{outer}, {inner}}}};
+  const std::vector<PatchSurface> surfaces = prepare_surfaces(std::span(&crescent, 1));
+  std::size_t n_crossed = 0;
+  for (double tolerance = 0.5; tolerance > 1e-3; tolerance *= 0.9) {
+    // What the curves are on their own.
+    std::vector<Vec2> points;
+    for (const NurbsCurve2* curve : {&outer, &inner}) {
+      const detail::SeamCurve use{surfaces.data(), curve, curve->domain(), false};
+      const std::vector<Vec2> uvs = detail::sample_edge({&use, 1}, tolerance, 2)[0].uvs;
+      points.insert(points.end(), uvs.begin(), uvs.end() - 1);
+    }
+    n_crossed += is_simple(points) ? 0 : 1;
+    SeamGraphOptions options;
+    options.tolerance = tolerance;
+    const SeamGraph graph = build_seam_graph(std::span(&crescent, 1), surfaces, options);
+    points.clear();
+    for (const SeamSlot& slot : graph.loop(0)) points.push_back(slot.uv);
+    EXPECT_TRUE(is_simple(points)) << tolerance;
+  }
+  EXPECT_GT(n_crossed, 0u) << "nothing to mend";
+}
+
+// Two half discs of one plane whose files' edges are apart: half of that is gone before chords take theirs.
+TEST(SeamGraph, LeavesChordsWhatSewingLeaves) {
+  constexpr double k_tolerance = 0.05;
+  const auto graph_with = [&](double apart) {
+    const NurbsCurve2 arc{2, {0, 0, 0, 1, 1, 1}, {{0, 0}, {0.5, 1}, {1, 0}}, {}};
+    std::vector<TrimmedPatch> patches{whole(parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0})),
+                                      whole(parallelogram({0, apart, 0}, {1, 0, 0}, {0, 1, 0}))};
+    TrimmingCurve below{reversed(arc)}, above{arc};
+    below.edge = above.edge = 0;
+    above.runs_against = true;
+    below.corners = {1, 0};
+    above.corners = {0, 1};
+    patches[0].loops = {{{test::line({0, 0}, {1, 0}), below}}};
+    patches[1].loops = {
+        {{above, test::line({1, 0}, {1, 1}), test::line({1, 1}, {0, 1}), test::line({0, 1}, {0, 0})}}};
+    SeamGraphOptions options;
+    options.tolerance = k_tolerance;
+    return graph_of(patches, options);
+  };
+  const std::size_t together = graph_with(0).positions.size();
+  const SeamGraph sewn = graph_with(0.08);
+  EXPECT_NEAR(sewn.report.largest_move, 0.04, 1e-12);
+  EXPECT_GT(sewn.positions.size(), together);
+  for (const float width : sewn.widths) EXPECT_LE(static_cast<double>(width) + 0.04, k_tolerance);
+  // Where no chord would do, none is made finer.
+  EXPECT_EQ(graph_with(0.2).positions.size(), together);
 }
 
 // The strips between curves and chords, and chords and the surface below them, are as narrow as asked for.

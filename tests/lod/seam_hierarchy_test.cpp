@@ -79,6 +79,25 @@ std::set<Index> patches_of_split(const Levels& levels, std::size_t split) {
   return patches;
 }
 
+TEST(SeamHierarchy, EndsAtTheLargestErrorAsAWholeOneBegins) {
+  for (const auto& [name, patches, pieces] : closed_models()) {
+    const Levels whole(patches);
+    const std::vector<float>& errors = whole.hierarchy.errors;
+    ASSERT_GT(errors.size(), 4u) << name;
+    const double largest = errors[errors.size() / 4];
+    const SeamHierarchy part = build_seam_hierarchy(whole.graph, whole.surfaces, {.largest_error = largest});
+    ASSERT_GT(part.n_splits(), 0u) << name;
+    ASSERT_LT(part.n_splits(), whole.hierarchy.n_splits()) << name;
+    EXPECT_LE(part.errors.front(), static_cast<float>(largest)) << name;
+    const auto skipped = static_cast<std::ptrdiff_t>(errors.size() - part.n_splits());
+    EXPECT_TRUE(std::equal(part.errors.begin(), part.errors.end(), errors.begin() + skipped)) << name;
+    EXPECT_TRUE(std::equal(
+        part.splits.begin(), part.splits.end(), whole.hierarchy.splits.begin() + skipped,
+        [](const VertexPair& a, const VertexPair& b) { return a.removed == b.removed && a.kept == b.kept; }))
+        << name;
+  }
+}
+
 TEST(SeamHierarchy, LeavesTwoFacesOfABoxBackToBack) {
   const Levels box(test::box_faces({3, 2, 1}));
   // Eight corners, of which three stay.
