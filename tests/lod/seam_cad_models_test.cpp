@@ -177,7 +177,9 @@ TEST_F(SeamModelOfFineTriangles, HasNoneTurnedOverBesideBordersThatAreCoarser) {
       for (const double tolerance : {0.075 * seams, 0.3 * seams, seams}) {
         const SeamUpdate update = tessellation.update(tolerance);
         EXPECT_EQ(update.inverted, 0u) << name << ", " << tolerance / seams;
-        EXPECT_FALSE(update.refused.empty()) << name << ", " << tolerance / seams;
+        if (tolerance < 0.1 * seams) {
+          EXPECT_FALSE(update.refused.empty()) << name;
+        }
         for (std::size_t patch = 0; patch < part.patches.size(); ++patch) {
           const bool is_refused = std::count(update.refused.begin(), update.refused.end(), patch) > 0;
           // Four times the seams' error is as coarse as it gets.
