@@ -157,7 +157,8 @@ CadModel read_checked(const fs::path& path, const CadImportOptions& options, Pro
   CadModel model;
   model.instances = std::move(assembly.instances);
   model.materials = std::move(assembly.materials);
-  model.left_out = std::move(assembly.left_out);
+  model.left_out = document.left_out;
+  model.left_out.insert(model.left_out.end(), assembly.left_out.begin(), assembly.left_out.end());
   std::size_t faces = 0, done = 0;
   for (const CadBody& body : assembly.bodies) faces += body.faces.size();
   const auto after_face = [&] {

@@ -63,13 +63,13 @@ bool can_read_cad();
 bool is_cad_path(const std::filesystem::path& path);
 
 /// Reads the whole file; kinds are told by the name's end. Surfaces of all types become NURBS over the same
-/// points: exact ones, within 1e-9 of the part's size, but for offset surfaces, which are within 1e-7 and are
-/// named in `repairs`. Trimming curves are exact where they are NURBS (lines, circles along round surfaces
-/// and on planes, B-splines), else within 1e-7 of the part's size, and near their edge as far as the file's
-/// tolerance says. Those of one edge meet in space at equal shares within that tolerance, four times it at
-/// most; one that doesn't goes without its edge, and `repairs` says so. Calls from several threads run one
-/// after the other. Nothing is printed. Throws `InputError` when the file can't be read, is cut short, or
-/// holds no face that can be used.
+/// points: exact ones, within 1e-9 of the part's size (planes, round surfaces and B-splines: 1e-12), but for
+/// offset surfaces, which are within 1e-7 and are named in `repairs`. Trimming curves are exact where they
+/// are NURBS (lines, circles along round surfaces and on planes, B-splines), else within 1e-7 of the part's
+/// size, and near their edge as far as the file's tolerance says. Those of one edge meet in space at equal
+/// shares within that tolerance, four times it at most; one that doesn't goes without its edge, and `repairs`
+/// says so. Calls from several threads run one after the other. Nothing is printed. Throws `InputError` when
+/// the file can't be read, is cut short, or holds no face that can be used.
 CadModel read_cad(const std::filesystem::path& path, const CadImportOptions& options = {},
                   Progress* progress = nullptr);
 

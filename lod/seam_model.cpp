@@ -100,7 +100,8 @@ class SeamTessellation::Impl {
       : model_(model),
         front_(model.graph, model.hierarchy),
         triangles_(model.graph.n_patches()),
-        made_for_(model.graph.n_patches(), 0.0) {
+        made_for_(model.graph.n_patches(), 0.0),
+        last_(model.graph.n_patches()) {
     Box3 box;
     for (const Vec3& point : model.graph.positions) box.extend(point);
     for (const PatchSurface& surface : model.surfaces) box.extend(surface.bounds.box(surface.shape.domain()));
@@ -115,7 +116,11 @@ class SeamTessellation::Impl {
     SeamUpdate result;
     std::vector<double> seams(tolerances.begin(), tolerances.end());  // what seams may reach, by patch
     std::vector<double> inside = seams;                               // and triangles
-    std::vector<unsigned char> is_tightened(seams.size(), 0);
+    for (std::size_t patch = 0; patch < last_.size(); ++patch) {
+      if (last_[patch].asked != tolerances[patch]) continue;
+      seams[patch] = last_[patch].seams;
+      inside[patch] = last_[patch].inside;
+    }
     constexpr int k_most_rounds = 24;
     for (int round = 0; round < k_most_rounds; ++round) {
       add(front_.adapt(seams), result.moves);
@@ -125,21 +130,13 @@ class SeamTessellation::Impl {
       bool is_done = true;
       for (std::size_t patch = 0; patch < seams.size(); ++patch) {
         if (front_.has_vanished(patch) || is_good(patch)) continue;
-        // Finer seams as long as there are, then somewhat finer triangles where some are turned over.
-        constexpr double k_finest_inside = 1.0 / 16;
-        const bool has_finer_seams = seams[patch] >= least_error();
-        if (!has_finer_seams &&
-            (!triangles_[patch].reached_tolerance || inside[patch] <= k_finest_inside * tolerances[patch]))
-          continue;
-        double& tightened = has_finer_seams ? seams[patch] : inside[patch];
-        tightened /= 2;
-        is_tightened[patch] = 1;
-        is_done = false;
+        if (change_tolerances(patch, tolerances[patch], seams[patch], inside[patch])) is_done = false;
       }
       if (is_done) break;
     }
     for (std::size_t patch = 0; patch < seams.size(); ++patch) {
-      result.tightened += is_tightened[patch];
+      last_[patch] = {tolerances[patch], seams[patch], inside[patch]};
+      result.tightened += seams[patch] < tolerances[patch] || inside[patch] < tolerances[patch];
       count(patch, tolerances[patch], result);
     }
     for (std::size_t split = 0; split < model_.hierarchy.n_splits(); ++split) {
@@ -199,6 +196,27 @@ class SeamTessellation::Impl {
     }
   }
 
+  // For a patch that isn't good: finer seams as long as there are, then somewhat finer triangles where some
+  // are turned over. Where the border itself is coarser than what is asked for, triangles turn over that are
+  // much finer than it: then the patch gets what its border can have. Whether there is anything left to try.
+  bool change_tolerances(std::size_t patch, double asked, double& seams, double& inside) const {
+    constexpr double k_finest_inside = 1.0 / 16;
+    constexpr double k_coarser = 2.5;            // more than twice, or the triangles that are there would do
+    constexpr double k_coarsest = 4;             // of the error of the finest seams
+    constexpr double k_finest_seams = 1.0 / 64;  // of it: points nearer together are as good as one
+    const bool is_coarser = inside > asked;
+    if (!is_coarser && seams >= std::max(least_error(), k_finest_seams * model_.graph.tolerance)) {
+      seams /= 2;
+    } else if (!is_coarser && triangles_[patch].reached_tolerance && inside > k_finest_inside * asked) {
+      inside /= 2;
+    } else {
+      const double coarser = k_coarser * std::max(inside, asked);
+      if (triangles_[patch].inverted == 0 || coarser > k_coarsest * model_.graph.tolerance) return false;
+      seams = inside = coarser;
+    }
+    return true;
+  }
+
   bool is_good(std::size_t patch) const {
     return triangles_[patch].reached_tolerance && triangles_[patch].inverted == 0;
   }
@@ -213,7 +231,13 @@ class SeamTessellation::Impl {
     if (!(triangles.error_bound <= tolerance)) result.refused.push_back(static_cast<Index>(patch));
   }
 
+  // What a patch was made for. While it tolerates the same it needn't be found again what that takes.
+  struct Reached {
+    double asked = 0, seams = 0, inside = 0;
+  };
+
   std::vector<double> made_for_;  // by patch: the tolerance of its triangles
+  std::vector<Reached> last_;     // by patch
   double extent_ = 0;             // of all that the model could reach
 };
 

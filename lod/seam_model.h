@@ -44,7 +44,9 @@ struct SeamUpdate {
       0;  ///< patches that needed finer seams than their tolerance: triangles turned over there
   std::size_t inverted = 0;  ///< triangles that are still turned over
   double error_bound = 0;    ///< of all patches, the largest, with what vanished
-  /// Patches that couldn't be triangulated within their tolerance; those whose loops cross have no triangles.
+  /// Patches that couldn't be triangulated within their tolerance, as where it is below the error of the
+  /// finest seams: triangles there may be coarser than those of other patches, for fine ones would be turned
+  /// over beside a coarse border. Those whose loops cross have no triangles.
   std::vector<Index> refused;
 };
 

@@ -32,7 +32,9 @@ struct SeamFrame {
   std::size_t culled_patches = 0;
   std::size_t postponed = 0;    ///< patches that the budget left as they were
   double finest_tolerance = 0;  ///< of a patch that is drawn, units of the model
-  double pixel_error = 0;  ///< largest of the drawn patches: what their triangles were made for, in pixels
+  /// Largest of the drawn patches: what their triangles were made for, in pixels. A patch so near that it
+  /// tolerates a tenth of the seams' error counts as if that were `view.pixel_error`.
+  double pixel_error = 0;
   double seconds = 0;
 };
 
@@ -45,9 +47,9 @@ class SeamViewer {
   ~SeamViewer();
 
   /// Goes on from the last frame. A patch tolerates `view.pixel_error` times the length that a pixel covers
-  /// at its nearest point, but at least a tenth of the error of the finest seams. What is made anew is made
-  /// for three fourths of that, so that it serves for some frames. Throws `OptionError` for numbers out of
-  /// range or a position at its target.
+  /// at its nearest point, but at least a tenth of the error of the finest seams, below which borders don't
+  /// go. What is made anew is made for three fourths of that, so that it serves for some frames. Throws
+  /// `OptionError` for numbers out of range or a position at its target.
   SeamFrame update(const SeamView& view);
 
   const SeamTessellation& tessellation() const;

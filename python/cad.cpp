@@ -2,6 +2,7 @@
 #include "calls.h"
 #include "numpy_arrays.h"
 #include <recede/geometry/cad_import.h>
+#include <recede/geometry/nurbs_closest_point.h>
 #include <recede/lod/cad_hierarchy.h>
 
 #include <pybind11/eigen.h>
@@ -102,6 +103,11 @@ void bind_patch(py::module_& m) {
                                }
                                return loops;
                              })
+      .def("closest_point",
+           [](const Patch& patch, const Vec3& point) {
+             const NearestOnSurface nearest = closest_point(patch->surface, point);
+             return py::make_tuple(nearest.uv, nearest.point, nearest.distance);
+           })
       .def_property_readonly("is_reversed", [](const Patch& patch) { return patch->is_reversed; })
       .def_property_readonly("material", [](const Patch& patch) { return index_or_none(patch->material); });
 }

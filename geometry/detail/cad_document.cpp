@@ -2,6 +2,7 @@
 #include <recede/geometry/detail/cad_document.h>
 #include <recede/geometry/detail/cad_format.h>
 #include <recede/geometry/detail/cad_guard.h>
+#include <recede/geometry/detail/step_references.h>
 #include <recede/geometry/error.h>
 
 #include <BRepTools.hxx>
@@ -13,7 +14,14 @@
 #include <Message_ProgressIndicator.hxx>
 #include <STEPCAFControl_Controller.hxx>
 #include <STEPCAFControl_Reader.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepShape_FaceSurface.hxx>
+#include <TransferBRep.hxx>
+#include <Transfer_TransientProcess.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <sstream>
@@ -100,7 +108,7 @@ CadDocument transfer(Reader& reader, const char* kind, const fs::path& path, Pro
     fail(path, std::string("can't be read as ") + kind);
   }
   report_progress(progress, "read", 0.5);
-  CadDocument read{new_document(), {}};
+  CadDocument read{new_document(), {}, {}};
   const Handle(ProgressBridge) bridge = new ProgressBridge(progress);
   bool is_done = false;
   if (!survives([&] { is_done = reader.Transfer(read.document, bridge->Start()); })) {
@@ -111,13 +119,37 @@ CadDocument transfer(Reader& reader, const char* kind, const fs::path& path, Pro
   return read;
 }
 
-CadDocument read_step(const fs::path& path, Progress* progress) {
+/// Faces of the file that are in no shape: OpenCASCADE's reader goes on without them, and says nothing.
+std::vector<CadLeftOut> faces_without_shape(const STEPCAFControl_Reader& reader) {
+  const Handle(XSControl_WorkSession) session = reader.Reader().WS();
+  const Handle(StepData_StepModel) model = Handle(StepData_StepModel)::DownCast(session->Model());
+  const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
+  std::vector<CadLeftOut> left_out;
+  for (int i = 1; i <= model->NbEntities(); ++i) {
+    const auto face = Handle(StepShape_FaceSurface)::DownCast(model->Value(i));
+    if (face.IsNull() || !TransferBRep::ShapeResult(process, face).IsNull()) continue;
+    left_out.push_back({fmt::format("face #{} of the file", model->IdentLabel(face)),
+                        "OpenCASCADE can't make a face of it"});
+  }
+  return left_out;
+}
+
+CadDocument read_step(const fs::path& path, const std::string& text, Progress* progress) {
+  const StepReferences references = find_step_references(text);
   STEPCAFControl_Controller::Init();
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
-  Interface_Static::SetIVal("read.stepcaf.subshapes.name", 1);
+  // For names of faces OpenCASCADE goes through references without end where one leads nowhere or back.
+  const bool is_sound = references.missing.empty() && !references.has_cycle;
+  Interface_Static::SetIVal("read.stepcaf.subshapes.name", is_sound ? 1 : 0);
   STEPCAFControl_Reader reader;
   reader.SetPropsMode(false);
-  return transfer(reader, "STEP", path, progress);
+  CadDocument read = transfer(reader, "STEP", path, progress);
+  for (const MissingEntity& missing : references.missing) {
+    read.left_out.push_back({fmt::format("#{}", missing.number),
+                             fmt::format("isn't in the file, though #{} refers to it", missing.user)});
+  }
+  for (CadLeftOut& face : faces_without_shape(reader)) read.left_out.push_back(std::move(face));
+  return read;
 }
 
 CadDocument read_iges(const fs::path& path, Progress* progress) {
@@ -152,7 +184,7 @@ CadDocument read_cad_document(const fs::path& path, Progress* progress) {
   const std::optional<CadFormat> format = cad_format_of(path);
   if (format == CadFormat::step) {
     check_step(path, text);
-    return read_step(path, progress);
+    return read_step(path, text, progress);
   }
   if (format == CadFormat::iges) {
     check_iges(path, text);

@@ -1,7 +1,7 @@
 // STEP, IGES and BREP files as OpenCASCADE reads them.
 #pragma once
 
-#include <recede/geometry/progress.h>
+#include <recede/geometry/cad_import.h>
 
 #include <TDocStd_Document.hxx>
 #include <TopoDS_Shape.hxx>
@@ -14,6 +14,7 @@ namespace recede::detail {
 struct CadDocument {
   Handle(TDocStd_Document) document;  ///< null for BREP
   TopoDS_Shape shape;                 ///< of BREP
+  std::vector<CadLeftOut> left_out;   ///< what the file names and OpenCASCADE passed over
 };
 
 /// Lengths are in millimetres; those of BREP files, which name no unit, as they stand. Prints nothing. Throws

@@ -19,25 +19,36 @@ struct Polygons {
 
 double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-Vec2 lengths_per_parameter(const TrimmedFace& face) {
+/// Means over the surface.
+struct PerParameter {
+  Vec2 lengths = Vec2::Zero();
+  double area = 0;
+
+  /// Of areas in lengths along u and v, as if these were at right angles.
+  double area_share() const { return area > 0 ? area / (lengths[0] * lengths[1]) : 0; }
+};
+
+PerParameter per_parameter(const TrimmedFace& face) {
   double u0, u1, v0, v1;
   face.surface.surface->Bounds(u0, u1, v0, v1);
-  Vec2 lengths = Vec2::Zero();
+  PerParameter means;
   int samples = 0;
   for (const double x : {0.1, 0.3, 0.5, 0.7, 0.9}) {
     for (const double y : {0.1, 0.3, 0.5, 0.7, 0.9}) {
       gp_Pnt point;
       gp_Vec du, dv;
       face.surface.surface->D1(u0 + x * (u1 - u0), v0 + y * (v1 - v0), point, du, dv);
-      lengths += Vec2(du.Magnitude(), dv.Magnitude());
+      means.lengths += Vec2(du.Magnitude(), dv.Magnitude());
+      means.area += du.CrossMagnitude(dv);
       ++samples;
     }
   }
-  return lengths / samples;
+  means.lengths /= samples;
+  means.area /= samples;
+  return means;
 }
 
-Polygons sample(const TrimmedFace& face) {
-  const Vec2 scale = lengths_per_parameter(face);
+Polygons sample(const TrimmedFace& face, const Vec2& scale) {
   const auto at = [&](const Geom2d_BSplineCurve& curve, double t) {
     const gp_Pnt2d point = curve.Value(t);
     return Vec2(point.X() * scale[0], point.Y() * scale[1]);
@@ -167,12 +178,15 @@ double widest_tolerance(const TrimmedFace& face) {
 }  // namespace
 
 void check_loops(const TrimmedFace& face) {
-  const Polygons polygons = sample(face);
+  const PerParameter means = per_parameter(face);
+  const Polygons polygons = sample(face, means.lengths);
   double area = 0, length = 0;
   for (const std::vector<Vec2>& loop : polygons.loops) {
     area += signed_area(loop);
     length += perimeter(loop);
   }
+  // A surface that runs along the same lines in u and in v has none, whatever its loops have.
+  area *= means.area_share();
   if (std::abs(area) <= k_least_width * length / 2) throw CadProblem{"it has no area"};
   if (cross_anywhere(polygons, 2 * widest_tolerance(face))) throw CadProblem{"its loops cross"};
   check_directions(polygons);

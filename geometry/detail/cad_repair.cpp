@@ -1,6 +1,7 @@
 #include <recede/geometry/detail/cad_repair.h>
 
 #include <BRepBuilderAPI_Copy.hxx>
+#include <BRep_Tool.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Face.hxx>
 #include <ShapeFix_Wire.hxx>
@@ -10,6 +11,7 @@
 namespace recede::detail {
 
 MendedFace mend_face(const TopoDS_Face& face) {
+  if (BRep_Tool::Surface(face).IsNull()) return {};
   // Mending changes edges in place, which other faces use: it gets a copy.
   BRepBuilderAPI_Copy copy(face, true, false);
   const Handle(ShapeBuild_ReShape) changes = new ShapeBuild_ReShape;
@@ -19,14 +21,15 @@ MendedFace mend_face(const TopoDS_Face& face) {
   fix->FixWireTool()->ModifyGeometryMode() = true;
   fix->Perform();
   MendedFace mended;
-  const TopoDS_Shape result = changes->Apply(fix->Result());
+  const TopoDS_Shape result = fix->Result().IsNull() ? TopoDS_Shape() : changes->Apply(fix->Result());
   for (TopExp_Explorer piece(result, TopAbs_FACE); piece.More(); piece.Next()) {
     mended.faces.push_back(TopoDS::Face(piece.Current()));
   }
   for (const TopAbs_ShapeEnum kind : {TopAbs_EDGE, TopAbs_VERTEX}) {
     for (TopExp_Explorer old(face, kind); old.More(); old.Next()) {
       const TopoDS_Shape now = changes->Apply(copy.ModifiedShape(old.Current()));
-      if (now.ShapeType() == kind && !mended.originals.Contains(now))
+      // Nothing is left of what was mended away.
+      if (!now.IsNull() && now.ShapeType() == kind && !mended.originals.Contains(now))
         mended.originals.Add(now, old.Current());
     }
   }

@@ -459,6 +459,10 @@ class TrimmedPatch:
         """n_u x n_v; None: all are 1."""
     @property
     def loops(self) -> list[list[TrimmingCurve]]: ...
+    def closest_point(
+        self, point: npt.ArrayLike
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float]:
+        """Of the whole surface, beyond the loops too: its (u, v), the point and its distance."""
     @property
     def is_reversed(self) -> bool:
         """The front is where du x dv points away."""
@@ -505,6 +509,10 @@ class CadModel:
 
 def can_read_cad() -> bool: ...
 def read_cad(path: _Path, repair: bool, progress: _Progress) -> CadModel: ...
+def tessellate_cad(
+    model: CadModel, errors: Sequence[float], gap: float, use_connectivity: bool, progress: _Progress
+) -> list[dict[str, Any]]:
+    """`mesh`, `error_bound`, `max`, `rms`, `switch_distance`, `patches` and `missed` of each level"""
 def build_progressive(
     mesh: Mesh, settings: Mapping[str, Any], feature_angle: float, progress: _Progress
 ) -> ProgressiveMesh: ...

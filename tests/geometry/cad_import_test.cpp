@@ -210,6 +210,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(BadFace{"LoopThatDoesntClose", cad_open_loop, "a loop doesn't close"},
                     BadFace{"NoArea", cad_face_without_area, "it has no area"},
                     BadFace{"LoopThatCrossesItself", cad_crossing_loop, "its loops cross"},
+                    BadFace{"HoleAcrossTheBorder", cad_hole_across_the_border, "its loops cross"},
+                    BadFace{"HoleOutside", cad_hole_outside, "a loop runs the wrong way around"},
+                    BadFace{"SurfaceThatIsALine", cad_surface_that_is_a_line, "it has no area"},
+                    BadFace{"SurfaceThatIsAPoint", cad_surface_that_is_a_point, "it has no area"},
+                    BadFace{"EdgeWithoutCurve", cad_edge_without_curve, "an edge has no curve on it"},
+                    BadFace{"WithoutSurface", cad_face_without_surface, "it has no surface"},
                     BadFace{"PlaneWithoutBounds", cad_endless_plane, "nothing bounds it"}),
     [](const auto& tested) { return std::string(tested.param.name); });
 

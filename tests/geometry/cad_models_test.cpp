@@ -1,11 +1,8 @@
 // Every CAD model of Debian's package occt-misc, against what OpenCASCADE itself makes of it.
+#include "cad_bodies.h"
 #include "cad_checks.h"
 #include <recede/geometry/error.h>
 
-#include <BRepTools.hxx>
-#include <BRep_Builder.hxx>
-#include <IGESControl_Reader.hxx>
-#include <STEPControl_Reader.hxx>
 #include <gmock/gmock.h>
 
 namespace recede::test {
@@ -50,36 +47,6 @@ TEST_P(CadModelFile, BecomesPatchesWithEveryFaceThereOrNamed) {
   }
 }
 
-/// The file as OpenCASCADE's own readers give it, in one shape.
-TopoDS_Shape shape_of(const fs::path& path) {
-  const Silence silence;
-  TopoDS_Shape shape;
-  if (path.extension() == ".brep") {
-    BRepTools::Read(shape, path.string().c_str(), BRep_Builder());
-  } else if (path.extension() == ".step") {
-    STEPControl_Reader reader;
-    reader.ReadFile(path.string().c_str());
-    reader.TransferRoots();
-    shape = reader.OneShape();
-  } else {
-    IGESControl_Reader reader;
-    reader.ReadFile(path.string().c_str());
-    reader.TransferRoots();
-    shape = reader.OneShape();
-  }
-  return shape;
-}
-
-/// Solids, or all faces when there is none: what becomes a part each.
-std::vector<TopoDS_Shape> bodies_of(const TopoDS_Shape& shape) {
-  std::vector<TopoDS_Shape> bodies;
-  for (TopExp_Explorer solid(shape, TopAbs_SOLID); solid.More(); solid.Next()) {
-    if (!faces_of(solid.Current()).empty()) bodies.push_back(solid.Current());
-  }
-  if (bodies.empty() && !faces_of(shape).empty()) bodies.push_back(shape);
-  return bodies;
-}
-
 TEST_P(CadModelFile, HasThePointsOfItsFaces) {
   const std::vector<TopoDS_Shape> bodies = bodies_of(shape_of(GetParam()));
   if (bodies.empty()) return;
@@ -91,10 +58,7 @@ TEST_P(CadModelFile, HasThePointsOfItsFaces) {
     ASSERT_EQ(part.patches.size(), faces.size());
     const double size = size_of(bodies[b]);
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      // Bodies are in their own coordinates, loose faces stand where they are.
-      const bool is_loose = bodies[b].ShapeType() == TopAbs_FACE;
-      const TopoDS_Face own =
-          is_loose ? faces[i] : TopoDS::Face(faces[i].Moved(bodies[b].Location().Inverted()));
+      const TopoDS_Face own = face_of_body(faces[i], bodies[b]);
       EXPECT_LT(distance_from_surface(part.patches[i], own), 1e-9 * size) << i + 1;
       // Twice where the file's tolerance is short; see k_tolerance_slack.
       EXPECT_LE(tolerances_from_edges(part.patches[i], own, 1e-9 * size), 2) << i + 1;

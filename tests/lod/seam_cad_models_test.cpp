@@ -110,12 +110,91 @@ TEST_P(SeamModelOfFile, IsClosedAndWithinItsBoundsForAnyTolerances) {
   }
 }
 
+// Bounds are proved; 10 000 points of every face confirm them.
+void expect_faces_within(const CadPart& part, const std::string& name, double share, std::size_t n_points) {
+  const SeamModel model = build_seam_model(part);
+  SeamTessellation tessellation(model);
+  const double tolerance = share * model.size;
+  const SeamUpdate update = tessellation.update(tolerance);
+  EXPECT_TRUE(update.refused.empty()) << name;
+  std::mt19937 random(91);
+  for (std::size_t patch = 0; patch < part.patches.size(); ++patch) {
+    const PatchTriangles& triangles = tessellation.triangles_of(patch);
+    if (triangles.triangles.empty()) continue;  // vanished
+    const PatchSurface& surface = model.surfaces[patch];
+    const test::TrimmedRegion region(part.patches[patch], surface, 64);
+    const ClosestPointTree tree = test::tree_of(triangles);
+    std::size_t n = 0;
+    double largest = 0;
+    // A region may be a small part of its box.
+    for (int round = 0; round < 500 && n < n_points; ++round) {
+      for (const Vec2& uv : region.places(n_points - n, random)) {
+        largest = std::max(largest, tree.closest(surface.shape.evaluate(uv)).squared_distance);
+        ++n;
+      }
+    }
+    EXPECT_EQ(n, n_points) << name << ", patch " << patch;
+    EXPECT_LE(std::sqrt(largest),
+              std::min(tolerance, triangles.error_bound) + region.slack_of_inside() + 1e-12 * model.size)
+        << name << ", patch " << patch;
+    // So that the comparison says something.
+    EXPECT_LE(region.slack_of_inside(), 0.1 * tolerance) << name << ", patch " << patch;
+  }
+}
+
+TEST(SeamModelOfShapes, IsWithinItsToleranceAtTenThousandPointsOfEveryFace) {
+  const std::vector<Shape> shapes{{"rounded box", [] { return test::cad_rounded_box(); }},
+                                  {"bored sphere", test::cad_bored_sphere},
+                                  {"torus", [] { return test::cad_torus(); }},
+                                  {"cone", [] { return test::cad_cone(); }},
+                                  {"wavy block", test::cad_wavy_block},
+                                  {"offset", test::cad_offset_face}};
+  for (const Shape& shape : shapes) {
+    for (const CadPart& part : import_shape(shape.make()).parts)
+      expect_faces_within(part, shape.name, 1e-3, test::k_sanitized ? 100 : 10'000);
+  }
+}
+
+TEST_P(SeamModelOfFile, IsWithinItsToleranceAtTenThousandPointsOfEveryFace) {
+  for (const CadPart& part : read_file(GetParam()).parts) expect_faces_within(part, GetParam(), 1e-3, 10'000);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SeamModelOfFile,
                          testing::Values("occ/bottle.brep", "step/linkrods.step", "step/screw.step"),
                          [](const auto& tested) {
                            std::string name = fs::path(tested.param).stem().string();
                            return name;
                          });
+
+using SeamModelOfFineTriangles = SeamModelOfFile;
+
+TEST_F(SeamModelOfFineTriangles, HasNoneTurnedOverBesideBordersThatAreCoarser) {
+  for (const char* name : {"occ/bottle.brep", "step/screw.step"}) {
+    for (const CadPart& part : read_file(name).parts) {
+      const SeamModel model = build_seam_model(part);
+      const double seams = model.graph.tolerance;
+      SeamTessellation tessellation(model);
+      for (const double tolerance : {0.075 * seams, 0.3 * seams, seams}) {
+        const SeamUpdate update = tessellation.update(tolerance);
+        EXPECT_EQ(update.inverted, 0u) << name << ", " << tolerance / seams;
+        if (tolerance < 0.1 * seams) {
+          EXPECT_FALSE(update.refused.empty()) << name;
+        }
+        for (std::size_t patch = 0; patch < part.patches.size(); ++patch) {
+          const bool is_refused = std::count(update.refused.begin(), update.refused.end(), patch) > 0;
+          // Four times the seams' error is as coarse as it gets.
+          EXPECT_LE(tessellation.triangles_of(patch).error_bound, is_refused ? 4 * seams : tolerance);
+        }
+        EXPECT_TRUE(test::open_sides(tessellation.soup()).empty());
+        // What was found to be reached isn't tried again.
+        const SeamUpdate again = tessellation.update(tolerance);
+        EXPECT_EQ(again.tessellated + again.moves.splits + again.moves.merges, 0u);
+        EXPECT_EQ(again.refused, update.refused);
+        EXPECT_EQ(again.error_bound, update.error_bound);
+      }
+    }
+  }
+}
 
 using SeamModelOfIges = SeamModelOfFile;
 

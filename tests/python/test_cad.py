@@ -48,6 +48,17 @@ def test_loops_close_and_share_edges():
     assert sorted(uses) == [0, 1, 2] and all(sorted(use) == [False, True] for use in uses.values())
 
 
+def test_the_nearest_point_of_a_patch_is_along_the_radius():
+    side = recede.read_cad(CYLINDER).parts[0].patches[0]
+    uv, point, distance = side.closest_point((4.5, 6, 1))
+    assert np.allclose(point, [1.2, 1.6, 1], atol=1e-9) and abs(distance - 5.5) < 1e-9
+    assert uv.shape == (2,) and abs(uv[1] - 1) < 1e-9
+    # Above the cylinder its upper circle is nearest.
+    assert np.allclose(side.closest_point(np.array([0, 3.0, 9]))[1], [0, 2, 3], atol=1e-9)
+    with pytest.raises(recede.OptionError):
+        side.closest_point((np.nan, 0, 0))
+
+
 def test_instances_place_parts():
     (instance,) = recede.read_cad(CYLINDER).instances
     assert instance.part == 0 and instance.material is None

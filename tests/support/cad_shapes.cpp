@@ -28,6 +28,8 @@
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_SphericalSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -93,6 +95,22 @@ TopoDS_Wire rectangle_on(const Handle(Geom_Surface) & surface, double u0, double
                                         gp_Pnt2d(u0, v1)};
   for (std::size_t i = 0; i < 4; ++i) maker.Add(edge_on(surface, corners[i], corners[(i + 1) % 4]));
   return maker.Wire();
+}
+
+/// All of a bilinear surface whose sides in both directions are the same.
+TopoDS_Shape flat_surface(const gp_Vec& side) {
+  TColgp_Array2OfPnt poles(1, 2, 1, 2);
+  for (int i = 1; i <= 2; ++i) {
+    for (int j = 1; j <= 2; ++j) poles(i, j) = gp_Pnt(side.XYZ() * (i + j - 2));
+  }
+  TColStd_Array1OfReal knots(1, 2);
+  TColStd_Array1OfInteger times(1, 2);
+  knots(1) = 0;
+  knots(2) = 1;
+  times.Init(2);
+  const Handle(Geom_BSplineSurface) surface =
+      new Geom_BSplineSurface(poles, knots, knots, times, times, 1, 1);
+  return bare_face(surface, {rectangle_on(surface, 0, 1, 0, 1)});
 }
 
 }  // namespace
@@ -291,6 +309,45 @@ TopoDS_Shape cad_wire_of_one_vertex() {
   builder.MakeWire(wire);
   builder.Add(wire, edge);
   return plane_face({square(0, 0, 10), wire});
+}
+
+TopoDS_Shape cad_hole_across_the_border() {
+  return plane_face({square(0, 0, 10), square(5, 5, 8).Reversed()});
+}
+
+TopoDS_Shape cad_hole_outside() { return plane_face({square(0, 0, 10), square(20, 0, 5).Reversed()}); }
+
+TopoDS_Shape cad_surface_that_is_a_line() { return flat_surface(gp_Vec(10, 4, 2)); }
+TopoDS_Shape cad_surface_that_is_a_point() { return flat_surface(gp_Vec(0, 0, 0)); }
+
+TopoDS_Shape cad_edge_without_curve() {
+  BRep_Builder builder;
+  TopoDS_Wire wire;
+  builder.MakeWire(wire);
+  const std::array<gp_Pnt, 3> corners{gp_Pnt(0, 0, 0), gp_Pnt(10, 0, 0), gp_Pnt(0, 10, 0)};
+  std::array<TopoDS_Vertex, 3> vertices;
+  for (std::size_t i = 0; i < 3; ++i) builder.MakeVertex(vertices[i], corners[i], 1e-7);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const TopoDS_Vertex &from = vertices[i], &to = vertices[(i + 1) % 3];
+    TopoDS_Edge edge;
+    if (i < 2) {
+      edge = BRepBuilderAPI_MakeEdge(from, to);
+    } else {
+      builder.MakeEdge(edge);
+      builder.Add(edge, from.Oriented(TopAbs_FORWARD));
+      builder.Add(edge, to.Oriented(TopAbs_REVERSED));
+    }
+    builder.Add(wire, edge);
+  }
+  return plane_face({wire});
+}
+
+TopoDS_Shape cad_face_without_surface() {
+  BRep_Builder builder;
+  TopoDS_Face face;
+  builder.MakeFace(face);
+  builder.Add(face, square(0, 0, 10));
+  return face;
 }
 
 std::vector<CadComponent> cad_screws_on_plates(int patches) {

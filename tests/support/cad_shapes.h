@@ -68,6 +68,18 @@ TopoDS_Shape cad_endless_plane();
 /// A face with a wire that is one vertex, beside its outer one.
 TopoDS_Shape cad_wire_of_one_vertex();
 
+/// A hole that reaches over the outer loop.
+TopoDS_Shape cad_hole_across_the_border();
+/// A hole beside the outer loop.
+TopoDS_Shape cad_hole_outside();
+/// A whole B-spline surface of which all control points are on a line, or all are one point.
+TopoDS_Shape cad_surface_that_is_a_line();
+TopoDS_Shape cad_surface_that_is_a_point();
+/// A loop of edges of which one has no curve at all.
+TopoDS_Shape cad_edge_without_curve();
+/// A loop without a surface.
+TopoDS_Shape cad_face_without_surface();
+
 /// Faces of shapes side by side.
 TopoDS_Shape cad_compound(const std::vector<TopoDS_Shape>& shapes);
 

@@ -65,6 +65,9 @@ class TrimmedRegion {
   const ParameterBox& box() const { return box_; }
   /// In space, between the outline and its poly-lines: twice what is met in the middle of pieces.
   double slack() const { return slack_; }
+  /// The same for places of the surface that `holds` takes for inside alone: nothing where the outline is
+  /// straight in parameters.
+  double slack_of_inside() const { return slack_of_inside_; }
 
   bool holds(const Vec2& uv) const {
     int turns = 0;
@@ -116,13 +119,18 @@ class TrimmedRegion {
             (surface.shape.evaluate(pieces_.back().from) + surface.shape.evaluate(pieces_.back().to)) / 2;
         const Vec3 on_curve = surface.shape.evaluate(at(i, 0.5));
         slack_ = std::max(slack_, 2 * ((middle - on_curve).norm() + (chord - middle).norm()));
+        // Curves may run unevenly: only what is across their pieces counts.
+        const Vec2 uv = at(i, 0.5), along = pieces_.back().to - pieces_.back().from;
+        const double share = (uv - pieces_.back().from).dot(along) / std::max(along.squaredNorm(), 1e-300);
+        const Vec2 beside = pieces_.back().from + std::clamp(share, 0.0, 1.0) * along;
+        slack_of_inside_ = std::max(slack_of_inside_, 2 * (surface.shape.evaluate(beside) - on_curve).norm());
       }
     }
   }
 
   std::vector<Piece> pieces_;
   ParameterBox box_;
-  double slack_ = 0;
+  double slack_ = 0, slack_of_inside_ = 0;
   std::unique_ptr<ClosestPointTree> outline_;
 };
 
