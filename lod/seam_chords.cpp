@@ -56,15 +56,22 @@ SeamChord SeamChords::from(Index slot) const {
   return chord;
 }
 
-bool SeamChords::stay_simple(std::span<const Index> new_chords) const {
+bool SeamChords::stay_simple(std::span<const Index> new_chords,
+                             const std::function<bool(Index)>& counts) const {
   for (const Index slot : new_chords) {
     const ParameterBox box = from(slot).box;
     const std::vector<Vec2> hull = hull_of(slot);
     const Index patch = patch_of(slot);
     for (Index l = graph_->patch_loops[patch]; l < graph_->patch_loops[patch + 1]; ++l) {
-      if (!loops_->encloses(l)) continue;
       const Index start = loops_->first_of(l);
       Index other = start;
+      if (!loops_->encloses(l)) {
+        if (start == k_no_index || !counts(l)) continue;
+        for (Index k = 0; k < loops_->size_of(l); ++k, other = loops_->next(other)) {
+          if (hulls_meet(hull, {graph_->slots[other].uv})) return false;
+        }
+        continue;
+      }
       do {
         const bool is_new = std::find(new_chords.begin(), new_chords.end(), other) != new_chords.end();
         if (other != slot && box.intersects(is_new ? from(other).box : chords_[other].box) &&

@@ -24,6 +24,7 @@ class SeamCollapser {
         moves_(graph.slots.size()),
         chords_(graph, surfaces, loops_),
         vanished_(graph, surfaces),
+        held_up_(graph.n_patches(), 0.0),
         stamps_(graph.positions.size(), 0),
         refused_(graph.positions.size()),
         patch_of_loop_(graph.patches_of_loops()) {
@@ -104,8 +105,9 @@ class SeamCollapser {
   }
 
   double error_of(Index slot, const detail::SeamChord& chord, Index kept) const {
-    return detail::seam_error(surfaces_[patch_of(slot)].bend, chord.strip,
-                              chord.deviation + end_moves(slot, kept));
+    const double move = end_moves(slot, kept);
+    return std::max(detail::seam_error(surfaces_[patch_of(slot)].bend, chord.strip, chord.deviation + move),
+                    held_up_[patch_of(slot)] + move);
   }
 
   // Carries a collapse out; the changes it made go to `changes_` behind what is there. False, with nothing
@@ -142,18 +144,19 @@ class SeamCollapser {
     }
     // Slots of what encloses nothing any more stay, so that fronts know what hangs together.
     each_lost_loop(first, [&](Index loop) { is_possible = is_possible && may_be_lost(loop); });
+    is_possible = is_possible && (!stands_for_patch(kept) || is_supported(kept));
     if (!is_possible) undo(first, removed);
     return is_possible;
   }
 
-  // Not the outline around a hole, and nothing without which something that vanished would have no seam of a
-  // patch that is left.
+  // Not the outline around a hole, and nothing without which something that vanished would be at no patch
+  // that is left.
   bool may_be_lost(Index loop) const {
-    if (is_outer_[loop] && !is_last_loop(loop)) return false;
+    if (is_outer_[loop] && (!is_last_loop(loop) || is_support(patch_of_loop_[loop]))) return false;
     bool is_possible = true;
     each_slot_of(loop, [&](Index slot) {
       const Index v = loops_.vertex(slot);
-      is_possible = is_possible && (has_sides(v) || (!is_outer_[loop] && !stands_for_patch(v)));
+      is_possible = is_possible && (is_supported(v) || (!is_outer_[loop] && !stands_for_patch(v)));
     });
     return is_possible;
   }
@@ -178,6 +181,39 @@ class SeamCollapser {
     each_side(vertex, [&](Index) { has = true; });
     return has;
   }
+  // Where a hole of a flat patch has closed, what is left of it is on the patch, though not at its sides.
+  bool is_on_flat_patch(Index slot) const {
+    const Index loop = loops_.loop_of(slot), patch = patch_of_loop_[loop];
+    return !is_outer_[loop] && !loops_.encloses(loop) && surfaces_[patch].bend == SurfaceBend::none &&
+           loops_.vertex(slot) == graph_.slots[slot].vertex && is_left(patch);
+  }
+  bool is_left(Index patch) const {
+    bool is = false;
+    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l)
+      is = is || loops_.encloses(l);
+    return is;
+  }
+  bool is_supported(Index vertex) const {
+    bool is = has_sides(vertex);
+    loops_.each_slot(vertex, [&](Index slot) { is = is || is_on_flat_patch(slot); });
+    return is;
+  }
+  // Whether something that vanished is at a closed hole.
+  bool holds_up(Index loop) const {
+    bool does = false;
+    if (is_outer_[loop] || loops_.encloses(loop)) return false;
+    each_slot_of(loop, [&](Index slot) {
+      const Index v = loops_.vertex(slot);
+      does = does || (stands_for_patch(v) && !has_sides(v));
+    });
+    return does;
+  }
+  bool is_support(Index patch) const {
+    bool is = false;
+    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) is = is || holds_up(l);
+    return is;
+  }
+
   bool is_side(Index a, Index b) const {
     bool is = false;
     each_side(a, [&](Index w) { is = is || w == b; });
@@ -225,8 +261,53 @@ class SeamCollapser {
     return vanished_.distance(patch, {{detail::Segment{from, from}, detail::Segment{to, to}}});
   }
 
+  // Visits the flat patches whose closed holes a patch that vanished is at alone.
+  template <typename Visit>
+  void each_support(Index loop, Visit&& visit) const {
+    each_slot_of(loop, [&](Index slot) {
+      const Index v = loops_.vertex(slot);
+      if (has_sides(v)) return;
+      loops_.each_slot(v, [&](Index other) {
+        if (is_on_flat_patch(other)) visit(patch_of(other));
+      });
+    });
+  }
+
+  // Patches at closed holes of flat ones that the changes from `first` on moved corners of.
+  void collect_held_up(std::size_t first) {
+    std::vector<Index> supports;
+    for (std::size_t i = first; i < changes_.size(); ++i) {
+      const Index patch = patch_of(changes_[i].slot());
+      if (held_up_[patch] > 0) supports.push_back(patch);
+    }
+    std::sort(supports.begin(), supports.end());
+    supports.erase(std::unique(supports.begin(), supports.end()), supports.end());
+    for (const Index patch : supports) {
+      for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
+        if (!holds_up(l)) continue;
+        each_slot_of(l, [&](Index slot) {
+          loops_.each_slot(loops_.vertex(slot), [&](Index other) {
+            if (is_outline_of_vanished(loops_.loop_of(other))) bared_.push_back(loops_.loop_of(other));
+          });
+        });
+      }
+    }
+    std::sort(bared_.begin(), bared_.end());
+    bared_.erase(std::unique(bared_.begin(), bared_.end()), bared_.end());
+  }
+
+  // How far corners of a patch were moved from it.
+  double largest_move(Index patch, Index kept) const {
+    double largest = 0;
+    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
+      if (!loops_.encloses(l)) continue;
+      each_slot_of(l, [&](Index slot) { largest = std::max(largest, move_now(slot, kept)); });
+    }
+    return largest;
+  }
+
   // The same for those of `moved_` and `bared_`, and the largest of all. `is_final`: remembers them.
-  double largest_of_vanished(double moved_by, std::size_t most_measured, bool is_final) {
+  double largest_of_vanished(Index kept, double moved_by, std::size_t most_measured, bool is_final) {
     double largest = 0;
     const bool is_measured = moved_.size() + bared_.size() <= most_measured;
     for (const std::vector<Index>* loops : {&moved_, &bared_}) {
@@ -242,6 +323,10 @@ class SeamCollapser {
                                     : vanished_.at(patch) + (loops == &moved_ ? moved_by : length);
         if (is_final) vanished_.set(patch, distance);
         largest = std::max(largest, distance);
+        each_support(loop, [&](Index support) {
+          largest = std::max(largest, distance + largest_move(support, kept));
+          if (is_final) held_up_[support] = std::max(held_up_[support], distance);
+        });
       }
     }
     return largest;
@@ -307,11 +392,12 @@ class SeamCollapser {
     }
   }
 
+  // With the changes of a collapse in place that isn't final yet.
+  double move_now(Index slot, Index kept) const {
+    return loops_.vertex(slot) == kept && is_given(slot) ? move_of(slot, kept) : moves_[slot];
+  }
   double end_moves(Index slot, Index kept) const {
-    const auto move = [&](Index s) {
-      return loops_.vertex(s) == kept && is_given(s) ? move_of(s, kept) : moves_[s];
-    };
-    return std::max(move(slot), move(loops_.next(slot)));
+    return std::max(move_now(slot, kept), move_now(loops_.next(slot), kept));
   }
 
   bool is_given(Index slot) const {
@@ -332,8 +418,8 @@ class SeamCollapser {
     constexpr std::size_t k_most_tried = 8, k_most_measured = 256;
     collect_vanished(first);
     const double moved_by = (position(removed) - position(kept)).norm();
-    others =
-        std::max(others, largest_of_vanished(moved_by, is_final ? k_most_measured : k_most_tried, is_final));
+    others = std::max(
+        others, largest_of_vanished(kept, moved_by, is_final ? k_most_measured : k_most_tried, is_final));
     return std::max(seams, others);
   }
 
@@ -373,7 +459,8 @@ class SeamCollapser {
     const std::size_t first = changes_.size();
     if (!apply(removed, kept)) return false;
     collect_chords(first);
-    if (!chords_.stay_simple(new_chords_) || turns_back(removed, kept)) {
+    if (!chords_.stay_simple(new_chords_, [&](Index loop) { return holds_up(loop); }) ||
+        turns_back(removed, kept)) {
       undo(first, removed);
       return false;
     }
@@ -383,6 +470,7 @@ class SeamCollapser {
     }
     for (const Index slot : new_chords_) chords_.remember(slot);
     records_.push_back({{removed, kept}, error_, first, bared_at_.size()});
+    collect_held_up(first);
     for (const Index loop : bared_) bared_at_.push_back(patch_of_loop_[loop]);
     requeue(first, kept);
     return true;
@@ -448,6 +536,7 @@ class SeamCollapser {
   std::vector<double> moves_;  // by slot: from its patch to its vertex
   detail::SeamChords chords_;
   detail::VanishedPatches vanished_;
+  std::vector<double> held_up_;  // by flat patch: how far what vanished is from points of its closed holes
   std::vector<std::uint32_t> stamps_;
   std::vector<std::vector<Index>> refused_;  // by vertex: where it can't go
   std::vector<Index> patch_of_loop_;

@@ -3,6 +3,7 @@
 
 #include <recede/lod/detail/active_loops.h>
 
+#include <functional>
 #include <span>
 
 namespace recede::detail {
@@ -34,8 +35,9 @@ class SeamChords {
 
   /// Whether none of some new chords, by their slots, can meet another one of its patch, on this level or on
   /// any other that a front can reach: hulls hold all points that may be between the ends of a chord. The
-  /// others are as remembered.
-  bool stay_simple(std::span<const Index> new_chords) const;
+  /// others are as remembered. Of loops that enclose nothing, those that `counts` names are points to stay
+  /// away from.
+  bool stay_simple(std::span<const Index> new_chords, const std::function<bool(Index)>& counts) const;
 
  private:
   Index patch_of(Index slot) const { return patch_of_loop_[loops_->loop_of(slot)]; }

@@ -59,6 +59,25 @@ inline std::vector<TrimmedPatch> pillow(double height, int degree = 4) {
   return {top, bottom};
 }
 
+/// A square plate with n x n bores through it.
+inline std::vector<TrimmedPatch> bored_plate(double size, double height, double radius, int n) {
+  std::vector<TrimmedPatch> patches = box_faces({size, size, height});
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const Vec2 center((i + 0.5) / n, (j + 0.5) / n);
+      // The bottom's u is the plate's y.
+      patches[0].loops.push_back(circle({center.y(), center.x()}, radius / size, true));
+      patches[1].loops.push_back(circle(center, radius / size, true));
+      TrimmedPatch wall = can(radius, height)[0];
+      for (Vec3& point : wall.surface.points) point += Vec3(size * center.x(), size * center.y(), 0);
+      wall.name = "bore";
+      wall.is_reversed = true;
+      patches.push_back(wall);
+    }
+  }
+  return patches;
+}
+
 inline std::vector<TrimmedPatch> moved(std::vector<TrimmedPatch> patches, const Vec3& by, double scale = 1) {
   for (TrimmedPatch& patch : patches) {
     for (Vec3& point : patch.surface.points) point = scale * point + by;
@@ -85,6 +104,7 @@ inline std::vector<NamedPatches> closed_models() {
           {"ball", {whole(ball(1))}},
           {"ring", ring(1, 0.5, 0.7), 2},
           {"pillow", pillow(0.8)},
+          {"bored plate", bored_plate(4, 0.5, 0.3, 3)},
           {"tiled box", tiled_box({3, 2, 1}, 4)},
           {"two cans and a ball",
            together({can(1, 2), moved(can(1, 1), {3, 0, 0}), {whole(ball(1, {0, 4, 0}))}}), 3}};

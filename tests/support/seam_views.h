@@ -59,7 +59,7 @@ class PatchPoints {
       const PatchSurface& surface = model.surfaces[patch];
       std::vector<Vec2> places = TrimmedRegion(patches[patch], surface, 16).places(n, random);
       for (const SeamLoop& loop : model.graph.loops_of(patch)) {
-        for (const SeamSlot& slot : loop.slots) places.push_back(slot.uv);
+        for (const SeamSlot& slot : loop) places.push_back(slot.uv);
       }
       const double side = model.is_reversed[patch] ? -1 : 1;
       points_.emplace_back();
