@@ -1,6 +1,7 @@
 #include <recede/geometry/detail/interval.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/edge_sampling.h>
+#include <recede/lod/detail/loop_support.h>
 #include <recede/lod/detail/seam_chords.h>
 #include <recede/lod/detail/vanished_patches.h>
 #include <recede/lod/seam_hierarchy.h>
@@ -27,8 +28,7 @@ class SeamCollapser {
         held_up_(graph.n_patches(), 0.0),
         stamps_(graph.positions.size(), 0),
         refused_(graph.positions.size()),
-        patch_of_loop_(graph.patches_of_loops()) {
-    for (std::size_t l = 0; l < graph.n_loops(); ++l) is_outer_.push_back(area_of(l) > 0);
+        support_(graph, surfaces, loops_) {
     for (std::size_t slot = 0; slot < graph.slots.size(); ++slot) {
       const auto s = static_cast<Index>(slot);
       moves_[slot] = move_of(s, loops_.vertex(s));
@@ -87,27 +87,18 @@ class SeamCollapser {
     std::size_t first_change;
     std::size_t first_vanished;
   };
-  double area_of(std::size_t loop) const {
-    const auto slots = graph_.loop(loop);
-    double twice = 0;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      const Vec2 &a = slots[i].uv - slots[0].uv, &b = slots[(i + 1) % slots.size()].uv - slots[0].uv;
-      twice += a.x() * b.y() - a.y() * b.x();
-    }
-    return twice / 2;
-  }
-
-  Index patch_of(Index slot) const { return patch_of_loop_[loops_.loop_of(slot)]; }
   const Vec3& position(Index vertex) const { return graph_.positions[vertex]; }
 
   double move_of(Index slot, Index vertex) const {
-    return (surfaces_[patch_of(slot)].shape.evaluate(graph_.slots[slot].uv) - position(vertex)).norm();
+    return (surfaces_[support_.patch_of_slot(slot)].shape.evaluate(graph_.slots[slot].uv) - position(vertex))
+        .norm();
   }
 
   double error_of(Index slot, const detail::SeamChord& chord, Index kept) const {
     const double move = end_moves(slot, kept);
-    return std::max(detail::seam_error(surfaces_[patch_of(slot)].bend, chord.strip, chord.deviation + move),
-                    held_up_[patch_of(slot)] + move);
+    return std::max(
+        detail::seam_error(surfaces_[support_.patch_of_slot(slot)].bend, chord.strip, chord.deviation + move),
+        held_up_[support_.patch_of_slot(slot)] + move);
   }
 
   // Carries a collapse out; the changes it made go to `changes_` behind what is there. False, with nothing
@@ -143,89 +134,10 @@ class SeamCollapser {
       changes_.push_back(SlotChange::given(slots_[i]));
     }
     // Slots of what encloses nothing any more stay, so that fronts know what hangs together.
-    each_lost_loop(first, [&](Index loop) { is_possible = is_possible && may_be_lost(loop); });
-    is_possible = is_possible && (!stands_for_patch(kept) || is_supported(kept));
+    each_lost_loop(first, [&](Index loop) { is_possible = is_possible && support_.may_be_lost(loop); });
+    is_possible = is_possible && (!support_.stands_for_patch(kept) || support_.is_supported(kept));
     if (!is_possible) undo(first, removed);
     return is_possible;
-  }
-
-  // Not the outline around a hole, and nothing without which something that vanished would be at no patch
-  // that is left.
-  bool may_be_lost(Index loop) const {
-    if (is_outer_[loop] && (!is_last_loop(loop) || is_support(patch_of_loop_[loop]))) return false;
-    bool is_possible = true;
-    each_slot_of(loop, [&](Index slot) {
-      const Index v = loops_.vertex(slot);
-      is_possible = is_possible && (is_supported(v) || (!is_outer_[loop] && !stands_for_patch(v)));
-    });
-    return is_possible;
-  }
-
-  template <typename Visit>
-  void each_slot_of(Index loop, Visit&& visit) const {
-    Index slot = loops_.first_of(loop);
-    for (Index k = 0; k < loops_.size_of(loop); ++k, slot = loops_.next(slot)) visit(slot);
-  }
-
-  // The other ends of sides of patches that are left.
-  template <typename Visit>
-  void each_side(Index vertex, Visit&& visit) const {
-    loops_.each_slot(vertex, [&](Index slot) {
-      if (!loops_.encloses(loops_.loop_of(slot))) return;
-      visit(loops_.vertex(loops_.previous(slot)));
-      visit(loops_.vertex(loops_.next(slot)));
-    });
-  }
-  bool has_sides(Index vertex) const {
-    bool has = false;
-    each_side(vertex, [&](Index) { has = true; });
-    return has;
-  }
-  // Where a hole of a flat patch has closed, what is left of it is on the patch, though not at its sides.
-  bool is_on_flat_patch(Index slot) const {
-    const Index loop = loops_.loop_of(slot), patch = patch_of_loop_[loop];
-    return !is_outer_[loop] && !loops_.encloses(loop) && surfaces_[patch].bend == SurfaceBend::none &&
-           loops_.vertex(slot) == graph_.slots[slot].vertex && is_left(patch);
-  }
-  bool is_left(Index patch) const {
-    bool is = false;
-    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l)
-      is = is || loops_.encloses(l);
-    return is;
-  }
-  bool is_supported(Index vertex) const {
-    bool is = has_sides(vertex);
-    loops_.each_slot(vertex, [&](Index slot) { is = is || is_on_flat_patch(slot); });
-    return is;
-  }
-  // Whether something that vanished is at a closed hole.
-  bool holds_up(Index loop) const {
-    bool does = false;
-    if (is_outer_[loop] || loops_.encloses(loop)) return false;
-    each_slot_of(loop, [&](Index slot) {
-      const Index v = loops_.vertex(slot);
-      does = does || (stands_for_patch(v) && !has_sides(v));
-    });
-    return does;
-  }
-  bool is_support(Index patch) const {
-    bool is = false;
-    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) is = is || holds_up(l);
-    return is;
-  }
-
-  bool is_side(Index a, Index b) const {
-    bool is = false;
-    each_side(a, [&](Index w) { is = is || w == b; });
-    return is;
-  }
-
-  bool is_outline_of_vanished(Index loop) const { return is_outer_[loop] && !loops_.encloses(loop); }
-  bool stands_for_patch(Index vertex) const {
-    bool does = false;
-    loops_.each_slot(vertex,
-                     [&](Index slot) { does = does || is_outline_of_vanished(loops_.loop_of(slot)); });
-    return does;
   }
 
   // Patches that have vanished and whose seams the changes from `first` on made or moved go to `moved_`;
@@ -235,16 +147,16 @@ class SeamCollapser {
     bared_.clear();
     for (std::size_t i = first; i < changes_.size(); ++i) {
       const Index loop = loops_.loop_of(changes_[i].slot());
-      if (is_outline_of_vanished(loop)) moved_.push_back(loop);
+      if (support_.is_outline_of_vanished(loop)) moved_.push_back(loop);
     }
     std::sort(moved_.begin(), moved_.end());
     moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
     each_lost_loop(first, [&](Index lost) {
       const Index slot = loops_.first_of(lost), a = loops_.vertex(slot), b = loops_.vertex(loops_.next(slot));
-      if (a == b || is_side(a, b)) return;
+      if (a == b || support_.is_side(a, b)) return;
       loops_.each_slot(a, [&](Index other) {
         const Index loop = loops_.loop_of(other);
-        if (is_outline_of_vanished(loop) && loops_.vertex(loops_.next(other)) == b &&
+        if (support_.is_outline_of_vanished(loop) && loops_.vertex(loops_.next(other)) == b &&
             !std::binary_search(moved_.begin(), moved_.end(), loop))
           bared_.push_back(loop);
       });
@@ -255,20 +167,20 @@ class SeamCollapser {
   // them.
   double distance_of_vanished(Index loop) {
     const Index slot = loops_.first_of(loop), a = loops_.vertex(slot), b = loops_.vertex(loops_.next(slot));
-    const Index patch = patch_of_loop_[loop];
+    const Index patch = support_.patch_of_loop(loop);
     const Vec3 &from = position(a), &to = position(b);
-    if (a != b && is_side(a, b)) return vanished_.distance(patch, {{detail::Segment{from, to}}});
+    if (a != b && support_.is_side(a, b)) return vanished_.distance(patch, {{detail::Segment{from, to}}});
     return vanished_.distance(patch, {{detail::Segment{from, from}, detail::Segment{to, to}}});
   }
 
   // Visits the flat patches whose closed holes a patch that vanished is at alone.
   template <typename Visit>
   void each_support(Index loop, Visit&& visit) const {
-    each_slot_of(loop, [&](Index slot) {
+    loops_.each_slot_of_loop(loop, [&](Index slot) {
       const Index v = loops_.vertex(slot);
-      if (has_sides(v)) return;
+      if (support_.is_end(v)) return;
       loops_.each_slot(v, [&](Index other) {
-        if (is_on_flat_patch(other)) visit(patch_of(other));
+        if (support_.is_within_flat_patch(other)) visit(support_.patch_of_slot(other));
       });
     });
   }
@@ -277,17 +189,18 @@ class SeamCollapser {
   void collect_held_up(std::size_t first) {
     std::vector<Index> supports;
     for (std::size_t i = first; i < changes_.size(); ++i) {
-      const Index patch = patch_of(changes_[i].slot());
+      const Index patch = support_.patch_of_slot(changes_[i].slot());
       if (held_up_[patch] > 0) supports.push_back(patch);
     }
     std::sort(supports.begin(), supports.end());
     supports.erase(std::unique(supports.begin(), supports.end()), supports.end());
     for (const Index patch : supports) {
       for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
-        if (!holds_up(l)) continue;
-        each_slot_of(l, [&](Index slot) {
+        if (!support_.holds_up(l)) continue;
+        loops_.each_slot_of_loop(l, [&](Index slot) {
           loops_.each_slot(loops_.vertex(slot), [&](Index other) {
-            if (is_outline_of_vanished(loops_.loop_of(other))) bared_.push_back(loops_.loop_of(other));
+            if (support_.is_outline_of_vanished(loops_.loop_of(other)))
+              bared_.push_back(loops_.loop_of(other));
           });
         });
       }
@@ -301,7 +214,7 @@ class SeamCollapser {
     double largest = 0;
     for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
       if (!loops_.encloses(l)) continue;
-      each_slot_of(l, [&](Index slot) { largest = std::max(largest, move_now(slot, kept)); });
+      loops_.each_slot_of_loop(l, [&](Index slot) { largest = std::max(largest, move_now(slot, kept)); });
     }
     return largest;
   }
@@ -312,7 +225,7 @@ class SeamCollapser {
     const bool is_measured = moved_.size() + bared_.size() <= most_measured;
     for (const std::vector<Index>* loops : {&moved_, &bared_}) {
       for (const Index loop : *loops) {
-        const Index patch = patch_of_loop_[loop];
+        const Index patch = support_.patch_of_loop(loop);
         const Index slot = loops_.first_of(loop);
         const double length =
             (position(loops_.vertex(slot)) - position(loops_.vertex(loops_.next(slot)))).norm();
@@ -366,14 +279,6 @@ class SeamCollapser {
     }
   }
 
-  bool is_last_loop(Index loop) const {
-    const Index patch = patch_of_loop_[loop];
-    for (Index l = graph_.patch_loops[patch]; l < graph_.patch_loops[patch + 1]; ++l) {
-      if (l != loop && loops_.encloses(l)) return false;
-    }
-    return true;
-  }
-
   // Slots from which chords begin that the changes from `first` on made anew, and those whose ends moved.
   void collect_chords(std::size_t first) {
     new_chords_.clear();
@@ -412,7 +317,7 @@ class SeamCollapser {
     for (const Index slot : moved_chords_)
       seams = std::max(seams, error_of(slot, chords_.remembered(slot), kept));
     each_lost_loop(first, [&](Index loop) {
-      if (!is_outer_[loop]) others = std::max(others, hole_width(loop));
+      if (!support_.is_outer(loop)) others = std::max(others, hole_width(loop));
     });
     // Measured again and again at a vertex that stands for many, it would take longer than it is worth.
     constexpr std::size_t k_most_tried = 8, k_most_measured = 256;
@@ -428,7 +333,8 @@ class SeamCollapser {
     const auto slots = graph_.loop(loop);
     std::vector<Vec2> points;
     for (const SeamSlot& slot : slots) points.push_back(slot.uv);
-    return detail::strip_width(surfaces_[patch_of_loop_[loop]], points, points[0], points[points.size() / 2]);
+    return detail::strip_width(surfaces_[support_.patch_of_loop(loop)], points, points[0],
+                               points[points.size() / 2]);
   }
 
   void queue(Index vertex) {
@@ -459,7 +365,7 @@ class SeamCollapser {
     const std::size_t first = changes_.size();
     if (!apply(removed, kept)) return false;
     collect_chords(first);
-    if (!chords_.stay_simple(new_chords_, [&](Index loop) { return holds_up(loop); }) ||
+    if (!chords_.stay_simple(new_chords_, [&](Index loop) { return support_.holds_up(loop); }) ||
         turns_back(removed, kept)) {
       undo(first, removed);
       return false;
@@ -471,7 +377,7 @@ class SeamCollapser {
     for (const Index slot : new_chords_) chords_.remember(slot);
     records_.push_back({{removed, kept}, error_, first, bared_at_.size()});
     collect_held_up(first);
-    for (const Index loop : bared_) bared_at_.push_back(patch_of_loop_[loop]);
+    for (const Index loop : bared_) bared_at_.push_back(support_.patch_of_loop(loop));
     requeue(first, kept);
     return true;
   }
@@ -503,7 +409,7 @@ class SeamCollapser {
       queue(vertex);
     }
     each_lost_loop(first, [&](Index loop) {
-      const Index patch = patch_of_loop_[loop];
+      const Index patch = support_.patch_of_loop(loop);
       for (Index slot = graph_.loop_offsets[graph_.patch_loops[patch]];
            slot < graph_.loop_offsets[graph_.patch_loops[patch + 1]]; ++slot) {
         if (loops_.is_active(slot)) queue_if_refused(loops_.vertex(slot));
@@ -539,8 +445,7 @@ class SeamCollapser {
   std::vector<double> held_up_;  // by flat patch: how far what vanished is from points of its closed holes
   std::vector<std::uint32_t> stamps_;
   std::vector<std::vector<Index>> refused_;  // by vertex: where it can't go
-  std::vector<Index> patch_of_loop_;
-  std::vector<bool> is_outer_;
+  detail::LoopSupport support_;
   std::vector<SlotChange> changes_;
   std::vector<Record> records_;
   std::vector<Index> bared_at_;  // patches, record by record

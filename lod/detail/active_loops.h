@@ -33,6 +33,12 @@ class ActiveLoops {
       slot = after;
     }
   }
+  /// Visits the active slots of a loop in its order.
+  template <typename Visit>
+  void each_slot_of_loop(Index loop, Visit&& visit) const {
+    Index slot = first_of_loop_[loop];
+    for (Index k = 0; k < sizes_[loop]; ++k, slot = next_[slot]) visit(slot);
+  }
   /// Visits the vertices before and after each slot of a vertex, some more than once, and itself where a
   /// loop has it twice in a row.
   template <typename Visit>
