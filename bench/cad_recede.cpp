@@ -118,7 +118,8 @@ void split_preparation(const CadSubject& subject, const CadRunOptions& options, 
   for (const CadBench& body : subject.bodies) {
     const CadPart& part = subject.model.parts[body.part];
     const CadTimer surfaces_timer;
-    const std::vector<PatchSurface> surfaces = prepare_surfaces(part.patches);
+    const std::vector<PatchSurface> surfaces =
+        prepare_surfaces(part.patches, k_bounds_share * options.deflection);
     figures.surfaces.cpu += surfaces_timer.cpu();
     figures.surfaces.wall += surfaces_timer.wall();
     const CadTimer seams_timer;

@@ -4,11 +4,13 @@
 #include "child_process.h"
 #include "measurement.h"
 #include <recede/geometry/error.h>
-#include <recede/lod/seam_model.h>
+#include <recede/lod/seam_viewer.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace recede::bench {
 namespace {
@@ -107,7 +109,7 @@ CostFigures measure_cost(const std::vector<CadPart>& parts, double tolerance) {
   const CadTimer all;
   for (const CadPart& part : parts) {
     const CadTimer surfaces_timer;
-    const std::vector<PatchSurface> surfaces = prepare_surfaces(part.patches);
+    const std::vector<PatchSurface> surfaces = prepare_surfaces(part.patches, k_bounds_share * tolerance);
     figures.surfaces += surfaces_timer.cpu();
     const CadTimer seams_timer;
     const SeamGraph graph = build_seam_graph(part.patches, surfaces, {.tolerance = tolerance});
@@ -120,18 +122,19 @@ CostFigures measure_cost(const std::vector<CadPart>& parts, double tolerance) {
     figures.graph_bytes += bytes_of(graph.positions) + bytes_of(graph.slots) + bytes_of(graph.loop_offsets) +
                            bytes_of(graph.patch_loops);
     figures.hierarchy_bytes += bytes_of(hierarchy.splits) + bytes_of(hierarchy.errors) +
-                               bytes_of(hierarchy.change_offsets) + bytes_of(hierarchy.changes);
+                               bytes_of(hierarchy.change_offsets) + bytes_of(hierarchy.changes) +
+                               bytes_of(hierarchy.vanished);
   }
   figures.wall = all.wall();
   figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
   return figures;
 }
 
-/// Copies of a part side by side, as one part.
+/// Copies of a part in rows of four, as one part.
 CadPart repeated(const CadPart& part, double step, std::size_t copies) {
   CadPart result{part.name, {}, 0, 0, part.is_closed};
   for (std::size_t copy = 0; copy < copies; ++copy) {
-    const Vec3 move(step * static_cast<double>(copy), 0, 0);
+    const Vec3 move(step * static_cast<double>(copy % 4), step * static_cast<double>(copy / 4), 0);
     for (TrimmedPatch patch : part.patches) {
       for (Vec3& point : patch.surface.points) point += move;
       for (TrimmingLoop& loop : patch.loops) {
@@ -169,6 +172,56 @@ std::string cost_row(const std::string& name, const std::vector<CadPart>& parts,
       f.wall, 1e-6 * static_cast<double>(f.peak_bytes));
 }
 
+/// Milliseconds of the frames of a walk.
+struct WalkFigures {
+  std::size_t patches = 0, triangles = 0;  // in the last frame
+  double first = 0, middle = 0, of_twenty = 0, most = 0;
+};
+
+/// From twice the diagonal to half of it, in steps of seven thousandths.
+WalkFigures measure_walk(const CadPart& part, double tolerance) {
+  constexpr int k_frames = 200;
+  const SeamModel model = build_seam_model(part, {{.tolerance = tolerance}, {}});
+  Box3 box;
+  for (const Vec3& point : model.graph.positions) box.extend(point);
+  SeamViewer viewer(model);
+  SeamView view;
+  view.target = box.center();
+  view.up = Vec3::UnitZ();
+  view.view.image_height = 1080;
+  view.aspect_ratio = 16.0 / 9;
+  WalkFigures figures;
+  std::vector<double> milliseconds;
+  for (int i = 0; i < k_frames; ++i) {
+    const double distance = 2 * std::pow(0.25, i / (k_frames - 1.0)) * box.diagonal().norm();
+    view.position = view.target + distance * Vec3(1, -2, 1.5).normalized();
+    const SeamFrame frame = viewer.update(view);
+    milliseconds.push_back(1000 * frame.seconds);
+    figures.patches = frame.drawn_patches;
+    figures.triangles = frame.drawn_triangles;
+  }
+  figures.first = milliseconds.front();
+  std::sort(milliseconds.begin() + 1, milliseconds.end());
+  figures.middle = milliseconds[k_frames / 2];
+  figures.of_twenty = milliseconds[k_frames * 19 / 20];
+  figures.most = milliseconds.back();
+  return figures;
+}
+
+std::string walk_row(const std::string& name, const CadPart& part, double tolerance) {
+  const ChildAnswer answer = run_in_child(
+      [&] {
+        std::string bytes;
+        put(bytes, measure_walk(part, tolerance));
+        return bytes;
+      },
+      k_seconds_allowed);
+  if (!answer.succeeded) return fmt::format("| {} | {} |\n", name, answer.failure);
+  const auto f = ByteReader(answer.bytes).take<WalkFigures>();
+  return fmt::format("| {} | {} | {:.0f} ; {:.2f} ; {:.2f} ; {:.0f} | {} ; {} |\n", name, part.patches.size(),
+                     f.first, f.middle, f.of_twenty, f.most, f.patches, f.triangles);
+}
+
 }  // namespace
 
 std::string cad_scale_tables(const BenchOptions& options) {
@@ -190,9 +243,18 @@ std::string cad_scale_tables(const BenchOptions& options) {
   for (const CadSubject* subject : {&top, &motor})
     text += cost_row(subject->name, subject->model.parts, k_setup_share * subject->diagonal);
   constexpr std::size_t k_copies = 16;
+  const CadPart many = repeated(top.model.parts.front(), top.diagonal, k_copies);
+  const std::string name = fmt::format("{} times Top.brep in one part", k_copies);
+  text += cost_row(name, {many}, k_setup_share * top.diagonal);
+  constexpr double k_walk_share = 4e-4;
   text +=
-      cost_row(fmt::format("{} times Top.brep in one part", k_copies),
-               {repeated(top.model.parts.front(), 2 * top.diagonal, k_copies)}, k_setup_share * top.diagonal);
+      "\n**A walk:** 200 frames of 1080 lines, from twice the diagonal to half of it, half a pixel. Seams "
+      "for "
+      "4e-4 of the diagonal of one copy\n\n| model | patches | milliseconds: first frame ; median of the "
+      "others "
+      "; 95th of 100 ; most | patches ; triangles drawn in the last |\n|---|---|---|---|\n";
+  text += walk_row("Top.brep", top.model.parts.front(), k_walk_share * top.diagonal);
+  text += walk_row(name, many, k_walk_share * top.diagonal);
   return text + '\n';
 }
 

@@ -77,9 +77,7 @@ std::size_t turn_patches(const SeamGraph& graph, std::vector<unsigned char>& is_
 
 SeamModel build_seam_model(const CadPart& part, const SeamModelOptions& options, Progress* progress) {
   SeamModel model;
-  // Of a tolerance: so little of it isn't worth closer bounds.
-  constexpr double k_finest = 0.02;
-  model.surfaces = prepare_surfaces(part.patches, k_finest * std::max(options.seams.tolerance, 0.0));
+  model.surfaces = prepare_surfaces(part.patches, k_bounds_share * std::max(options.seams.tolerance, 0.0));
   model.graph = build_seam_graph(part.patches, model.surfaces, options.seams, progress);
   model.hierarchy = build_seam_hierarchy(model.graph, model.surfaces, options.hierarchy, progress);
   for (const TrimmedPatch& patch : part.patches) {

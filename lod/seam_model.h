@@ -24,6 +24,9 @@ struct SeamModel {
   double size = 0;  ///< the diagonal of the box of all sewing points
 };
 
+/// Of a tolerance: so little of it isn't worth closer bounds of surfaces.
+inline constexpr double k_bounds_share = 0.02;
+
 struct SeamModelOptions {
   SeamGraphOptions seams;
   SeamHierarchyOptions hierarchy;
