@@ -194,9 +194,14 @@ class EdgeSampler {
     std::vector<Chord> chords = chords_of(left, {shares.begin, middle}, halvings_left - 1);
     const std::vector<Chord> others = chords_of(right, {middle, shares.end}, halvings_left - 1);
     chords.insert(chords.end(), others.begin(), others.end());
-    for (std::size_t n = fewest_parts(whole.error); n < chords.size(); ++n) {
-      std::vector<Chord> parts = equal_parts(nets, shares, n);
-      if (parts.size() == n) return parts;
+    for (std::size_t n = fewest_parts(whole.error); n < chords.size();) {
+      const std::size_t tried = (n + chords.size()) / 2;
+      std::vector<Chord> parts = equal_parts(nets, shares, tried);
+      if (parts.empty()) {
+        n = tried + 1;
+      } else {
+        chords = std::move(parts);
+      }
     }
     return chords;
   }
@@ -208,7 +213,7 @@ class EdgeSampler {
     return parts < 3 ? 3 : static_cast<std::size_t>(std::min(parts, 1e6));
   }
 
-  // Fewer than n where one of them isn't good enough.
+  // None where one of them isn't good enough.
   std::vector<Chord> equal_parts(const Nets& nets, const ParameterRange& shares, std::size_t n) const {
     std::vector<Chord> parts;
     Nets rest = nets;
