@@ -61,6 +61,12 @@ bool LoopSupport::is_within_flat_patch(Index slot) const {
          loops_->vertex(slot) == graph_->slots[slot].vertex && is_left(patch);
 }
 
+bool LoopSupport::may_hold_up(Index loop) const {
+  bool may = false;
+  loops_->each_slot_of_loop(loop, [&](Index slot) { may = may || is_within_flat_patch(slot); });
+  return may;
+}
+
 bool LoopSupport::holds_up(Index loop) const {
   if (is_outer_[loop] || loops_->encloses(loop)) return false;
   bool does = false;

@@ -141,7 +141,7 @@ class SeamCollapser {
   }
 
   // Patches that have vanished and whose seams the changes from `first` on made or moved go to `moved_`;
-  // those of which they took away a side alone to `bared_`.
+  // those of which they took away a side alone, or the last one at an end, to `bared_`.
   void collect_vanished(std::size_t first) {
     moved_.clear();
     bared_.clear();
@@ -151,16 +151,22 @@ class SeamCollapser {
     }
     std::sort(moved_.begin(), moved_.end());
     moved_.erase(std::unique(moved_.begin(), moved_.end()), moved_.end());
+    const auto add_bared = [&](Index loop) {
+      if (support_.is_outline_of_vanished(loop) && !std::binary_search(moved_.begin(), moved_.end(), loop))
+        bared_.push_back(loop);
+    };
     each_lost_loop(first, [&](Index lost) {
-      const Index slot = loops_.first_of(lost), a = loops_.vertex(slot), b = loops_.vertex(loops_.next(slot));
-      if (a == b || support_.is_side(a, b)) return;
-      loops_.each_slot(a, [&](Index other) {
-        const Index loop = loops_.loop_of(other);
-        if (support_.is_outline_of_vanished(loop) && loops_.vertex(loops_.next(other)) == b &&
-            !std::binary_search(moved_.begin(), moved_.end(), loop))
-          bared_.push_back(loop);
+      loops_.each_slot_of_loop(lost, [&](Index slot) {
+        const Index a = loops_.vertex(slot), b = loops_.vertex(loops_.next(slot));
+        const bool is_end = support_.is_end(a);
+        if (is_end && (a == b || support_.is_side(a, b))) return;
+        loops_.each_slot(a, [&](Index other) {
+          if (!is_end || loops_.vertex(loops_.next(other)) == b) add_bared(loops_.loop_of(other));
+        });
       });
     });
+    std::sort(bared_.begin(), bared_.end());
+    bared_.erase(std::unique(bared_.begin(), bared_.end()), bared_.end());
   }
 
   // How far a patch is from what its outline has become: a side of other patches, or one or two points of
@@ -219,7 +225,7 @@ class SeamCollapser {
     return largest;
   }
 
-  // The same for those of `moved_` and `bared_`, and the largest of all. `is_final`: remembers them.
+  // The largest distance of those of `moved_` and `bared_`. `is_final`: remembers them.
   double largest_of_vanished(Index kept, double moved_by, std::size_t most_measured, bool is_final) {
     double largest = 0;
     const bool is_measured = moved_.size() + bared_.size() <= most_measured;
@@ -365,7 +371,7 @@ class SeamCollapser {
     const std::size_t first = changes_.size();
     if (!apply(removed, kept)) return false;
     collect_chords(first);
-    if (!chords_.stay_simple(new_chords_, [&](Index loop) { return support_.holds_up(loop); }) ||
+    if (!chords_.stay_simple(new_chords_, [&](Index loop) { return support_.may_hold_up(loop); }) ||
         turns_back(removed, kept)) {
       undo(first, removed);
       return false;

@@ -60,11 +60,12 @@ struct SeamHierarchyOptions {
 /// Collapses the graph as far as it goes, the cheapest first. The error of a collapse bounds, for all patches
 /// around it, the strip between trimming curve and chord, the distance of the surface along the chord from
 /// it, and how far the chord's ends are from the patch, together; for a patch that vanishes, its distance
-/// from the seam between the slots of it that are left, then and whenever these move. Every seam that stands
-/// for something is a side of a patch that is left: two patches at least of what hangs together as a closed
-/// surface, one of a sheet. Loops stay simple in parameters for any choice of splits that `VertexFront` can
-/// reach, but for a patch of which a neighbour opens a closed hole again while its outline stays as coarse as
-/// it was without: `triangulate_patch` refuses it then, and `SeamTessellation` makes its seams finer.
+/// from the seam between the slots of it that are left, then and whenever these move. What is left of it is
+/// at sides of patches that are left, or within a flat one where a hole closed: two patches at least are left
+/// of what hangs together as a closed surface, one of a sheet. Loops stay simple in parameters for any choice
+/// of splits that `VertexFront` can reach, but for a patch of which a neighbour opens a closed hole again
+/// while its outline stays as coarse as it was without: `triangulate_patch` refuses it then, and
+/// `SeamTessellation` makes its seams finer.
 SeamHierarchy build_seam_hierarchy(const SeamGraph& graph, std::span<const PatchSurface> surfaces,
                                    const SeamHierarchyOptions& options = {}, Progress* progress = nullptr);
 

@@ -30,6 +30,8 @@ class LoopSupport {
   bool is_supported(Index vertex) const;
   /// Where a hole of a flat patch has closed, what is left of it is within the patch.
   bool is_within_flat_patch(Index slot) const;
+  /// Whether something may vanish on to this closed hole, as long as the patch is around it.
+  bool may_hold_up(Index loop) const;
   /// Whether something that vanished is at this closed hole alone.
   bool holds_up(Index loop) const;
 

@@ -78,6 +78,21 @@ inline std::vector<TrimmedPatch> bored_plate(double size, double height, double 
   return patches;
 }
 
+/// A round rod with a bore beside its middle.
+inline std::vector<TrimmedPatch> off_centre_bore(double height) {
+  std::vector<TrimmedPatch> patches = can(1, height);
+  constexpr double k_radius = 0.2, k_off = 0.7;
+  TrimmedPatch wall = can(k_radius, height)[0];
+  for (Vec3& point : wall.surface.points) point.x() += k_off;
+  wall.name = "bore";
+  wall.is_reversed = true;
+  // Both caps are from -2 to 2; the bottom's u is y.
+  patches[1].loops.push_back(circle({0.5, 0.5 + k_off / 4}, k_radius / 4, true));
+  patches[2].loops.push_back(circle({0.5 + k_off / 4, 0.5}, k_radius / 4, true));
+  patches.push_back(wall);
+  return patches;
+}
+
 inline std::vector<TrimmedPatch> moved(std::vector<TrimmedPatch> patches, const Vec3& by, double scale = 1) {
   for (TrimmedPatch& patch : patches) {
     for (Vec3& point : patch.surface.points) point = scale * point + by;
@@ -105,6 +120,7 @@ inline std::vector<NamedPatches> closed_models() {
           {"ring", ring(1, 0.5, 0.7), 2},
           {"pillow", pillow(0.8)},
           {"bored plate", bored_plate(4, 0.5, 0.3, 3)},
+          {"bore off the centre", off_centre_bore(3), 2},
           {"tiled box", tiled_box({3, 2, 1}, 4)},
           {"two cans and a ball",
            together({can(1, 2), moved(can(1, 1), {3, 0, 0}), {whole(ball(1, {0, 4, 0}))}}), 3}};
