@@ -28,6 +28,8 @@ double bytes_per_point(const SeamModel& model) {
   const SeamGraph& graph = model.graph;
   const SeamHierarchy& levels = model.hierarchy;
   const std::size_t bytes = graph.positions.size() * sizeof(Vec3) + graph.slots.size() * sizeof(SeamSlot) +
+                            (graph.loop_offsets.size() + graph.patch_loops.size()) * sizeof(Index) +
+                            levels.vanished.size() * sizeof(VanishedAtSplit) +
                             levels.n_splits() * (sizeof(VertexPair) + sizeof(float) + sizeof(Index)) +
                             levels.changes.size() * sizeof(SlotChange);
   return graph.positions.empty() ? 0

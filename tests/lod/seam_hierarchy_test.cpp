@@ -212,6 +212,47 @@ TEST(SeamFront, KeepsAVanishedPatchWithinItsOwnTolerance) {
   EXPECT_GT(n_vanished, 50u);
 }
 
+bool is_inside(const SeamLoop& outline, const Vec2& point) {
+  bool inside = false;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec2 a = outline[i].uv, b = outline[(i + 1) % outline.size()].uv;
+    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
+    inside ^= point.x() < a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+  }
+  return inside;
+}
+
+// What vanished on to a closed hole is near to the face only while the face is around it.
+TEST(SeamHierarchy, KeepsClosedHolesWithinFlatFaces) {
+  std::size_t n_closed = 0;
+  for (const std::vector<TrimmedPatch>& patches :
+       {test::off_centre_bore(3), test::off_centre_bore(0.3), test::bored_plate(4, 3, 0.3, 3)}) {
+    const Levels levels(patches);
+    SeamFront front(levels.graph, levels.hierarchy);
+    for (std::size_t split = 0; split < levels.hierarchy.n_splits(); split += 5) {
+      front.adapt(static_cast<double>(levels.hierarchy.errors[split]));
+      for (std::size_t patch = 0; patch < patches.size(); ++patch) {
+        const std::vector<SeamLoop> loops = levels.loops_of(front, patch);
+        if (levels.surfaces[patch].bend != SurfaceBend::none || loops.empty()) continue;
+        for (Index l = levels.graph.patch_loops[patch] + 1; l < levels.graph.patch_loops[patch + 1]; ++l) {
+          const auto hole = levels.graph.loop(l);
+          const auto is_of_hole = [&](const SeamSlot& slot) {
+            return std::any_of(hole.begin(), hole.end(), [&](const SeamSlot& s) { return s.uv == slot.uv; });
+          };
+          const bool is_open = std::any_of(loops.begin(), loops.end(),
+                                           [&](const SeamLoop& loop) { return is_of_hole(loop[0]); });
+          if (is_open) continue;
+          ++n_closed;
+          EXPECT_TRUE(std::any_of(hole.begin(), hole.end(),
+                                  [&](const SeamSlot& s) { return is_inside(loops[0], s.uv); }))
+              << patches[patch].name << " at " << levels.hierarchy.errors[split];
+        }
+      }
+    }
+  }
+  EXPECT_GT(n_closed, 10u);
+}
+
 TEST(SeamHierarchy, HasErrorsThatDoNotRiseAlongSplits) {
   for (const NamedPatches& model : closed_models()) {
     const Levels levels(model.patches);
