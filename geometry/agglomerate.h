@@ -25,6 +25,13 @@ concept MergePolicy = requires(Policy& policy, Index lower, Index higher) {
   policy.merge(lower, higher);
 };
 
+/// A policy may also have a cost that it knows only with more work; then `cost` is at most that. It is asked
+/// for before a pair is merged.
+template <class Policy>
+concept HasFinalCost = requires(Policy& policy, Index lower, Index higher) {
+  { policy.final_cost(lower, higher) } -> std::convertible_to<double>;
+};
+
 struct AgglomerationOptions {
   std::size_t clusters = 1;                                     ///< merge until so many are left
   double cost_limit = std::numeric_limits<double>::infinity();  ///< no merge costs more than this
@@ -66,8 +73,9 @@ inline std::vector<Index> clusters_after(const Agglomeration& agglomeration, std
 namespace detail {
 
 /// The neighbours of a cluster are a linked list in one pool, so that merging two lists takes one step; a
-/// link that leads inside or repeats another goes when the list is read next. Queue entries are never
-/// removed: they count how often their two clusters had grown, and are void once that has changed.
+/// link that leads inside or repeats another goes when the list is read next. A cluster's candidates are
+/// sorted when it has grown, and only the cheapest of them that may be left is in the queue, which stays
+/// small. They count how often their two clusters had grown, and are void once that has changed.
 template <MergePolicy Policy>
 class Agglomerator {
  public:
@@ -77,6 +85,7 @@ class Agglomerator {
         lists_(n_items),
         growth_(n_items, 0),
         seen_(n_items, k_no_index),
+        offers_(n_items),
         links_(2 * neighbours.size()) {
     result_.n_items = n_items;
     // Backwards, so that lists run in the order of `neighbours`.
@@ -88,7 +97,7 @@ class Agglomerator {
   }
 
   Agglomeration run(const AgglomerationOptions& options, Progress* progress) {
-    for (Index item = 0; item < result_.n_items; ++item) queue_neighbours(item, true);
+    for (Index item = 0; item < result_.n_items; ++item) offer_neighbours(item, true);
     while (result_.n_clusters() > options.clusters) {
       if (result_.merges.size() % 4096 == 0) {
         report_progress(progress, "merging clusters",
@@ -119,7 +128,8 @@ class Agglomerator {
   struct Candidate {
     double cost;
     Index lower, higher;
-    Index growth;  // of both together when the cost was computed
+    Index growth;               // of both together when the cost was computed
+    Index source = k_no_index;  // the cluster whose next candidate takes its place
 
     bool operator<(const Candidate& other) const {  // the standard heap has its largest element on top
       if (cost != other.cost) return cost > other.cost;
@@ -133,8 +143,14 @@ class Agglomerator {
     if (lists_[from].last == k_no_index) lists_[from].last = link;
   }
 
-  /// Queues the cluster with each of its neighbours; at the start only with those of higher number.
-  void queue_neighbours(Index cluster, bool higher_only) {
+  /// What a cluster can be merged with, the cheapest last.
+  struct Offers {
+    std::vector<Candidate> candidates;
+    Index growth = 0;  // of the cluster when they were made
+  };
+
+  /// Offers to merge the cluster with each of its neighbours; at the start only with those of higher number.
+  void offer_neighbours(Index cluster, bool higher_only) {
     seen_[cluster] = cluster;
     neighbours_.clear();
     Index* place = &lists_[cluster].first;
@@ -151,16 +167,32 @@ class Agglomerator {
       lists_[cluster].last = *place;
       place = &link.next;
     }
+    Offers& offers = offers_[cluster];
+    offers.candidates.clear();
+    offers.growth = growth_[cluster];
     for (const Index other : neighbours_) {
       seen_[other] = k_no_index;
-      if (!higher_only || other > cluster) queue(cluster, other);
+      if (higher_only && other < cluster) continue;
+      const auto [lower, higher] = std::minmax(cluster, other);
+      const double cost = policy_.cost(lower, higher);
+      if (cost < std::numeric_limits<double>::infinity())
+        offers.candidates.push_back({cost, lower, higher, growth_[lower] + growth_[higher], cluster});
     }
     seen_[cluster] = k_no_index;
+    std::sort(offers.candidates.begin(), offers.candidates.end());
+    queue_next_of(cluster);
   }
 
-  void queue(Index a, Index b) {
-    const auto [lower, higher] = std::minmax(a, b);
-    push({policy_.cost(lower, higher), lower, higher, growth_[lower] + growth_[higher]});
+  void queue_next_of(Index cluster) {
+    std::vector<Candidate>& candidates = offers_[cluster].candidates;
+    while (!candidates.empty() && is_void(candidates.back())) candidates.pop_back();
+    if (candidates.empty()) return;
+    push(candidates.back());
+    candidates.pop_back();
+  }
+
+  bool is_void(const Candidate& candidate) const {
+    return growth_[candidate.lower] + growth_[candidate.higher] != candidate.growth;
   }
 
   void push(const Candidate& candidate) {
@@ -169,13 +201,23 @@ class Agglomerator {
     std::push_heap(queue_.begin(), queue_.end());
   }
 
+  double final_cost(Index lower, Index higher) {
+    if constexpr (HasFinalCost<Policy>) {
+      return policy_.final_cost(lower, higher);
+    } else {
+      return policy_.cost(lower, higher);
+    }
+  }
+
   bool pop_cheapest(Candidate& cheapest) {
     while (!queue_.empty()) {
       std::pop_heap(queue_.begin(), queue_.end());
       cheapest = queue_.back();
       queue_.pop_back();
-      if (growth_[cheapest.lower] + growth_[cheapest.higher] != cheapest.growth) continue;
-      const double cost = policy_.cost(cheapest.lower, cheapest.higher);
+      const Index source = std::exchange(cheapest.source, k_no_index);
+      if (source != k_no_index && offers_[source].growth == growth_[source]) queue_next_of(source);
+      if (is_void(cheapest)) continue;
+      const double cost = final_cost(cheapest.lower, cheapest.higher);
       if (cost <= cheapest.cost) return true;
       cheapest.cost = cost;  // it rose meanwhile
       push(cheapest);
@@ -195,7 +237,8 @@ class Agglomerator {
     ++growth_[pair.lower];
     ++growth_[pair.higher];  // its entries are void
     result_.merges.push_back({pair.lower, pair.higher, pair.cost});
-    queue_neighbours(pair.lower, false);
+    offers_[pair.higher] = {};
+    offer_neighbours(pair.lower, false);
   }
 
   Policy& policy_;
@@ -204,6 +247,7 @@ class Agglomerator {
   std::vector<List> lists_;
   std::vector<Index> growth_;  // merges that made each cluster
   std::vector<Index> seen_;
+  std::vector<Offers> offers_;
   std::vector<Link> links_;
   std::vector<Index> neighbours_;
   std::vector<Candidate> queue_;

@@ -1,0 +1,264 @@
+#include "simple_soups.h"
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/billboard_cloud.h>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <random>
+#include <set>
+
+namespace recede {
+namespace {
+
+using test::soup_of;
+
+// Triangles of a ball of diameter 1, by rings.
+PolygonSoup ball(Index n_rings) {
+  PolygonSoup soup;
+  const Index n = 2 * n_rings;
+  for (Index i = 0; i <= n_rings; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      const double down = std::numbers::pi * i / n_rings, around = 2 * std::numbers::pi * j / n;
+      soup.positions.emplace_back(std::sin(down) * std::cos(around) / 2,
+                                  std::sin(down) * std::sin(around) / 2, std::cos(down) / 2);
+    }
+  }
+  for (Index i = 0; i < n_rings; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      const Index a = i * n + j, b = i * n + (j + 1) % n, c = a + n, d = b + n;
+      if (i > 0) soup.add_face(std::array<Index, 3>{a, c, b});
+      if (i + 1 < n_rings) soup.add_face(std::array<Index, 3>{b, c, d});
+    }
+  }
+  return soup;
+}
+
+PolygonSoup tube(double radius, Index n_around, Index n_along) {
+  PolygonSoup soup;
+  for (Index i = 0; i <= n_along; ++i) {
+    for (Index j = 0; j < n_around; ++j) {
+      const double angle = 2 * std::numbers::pi * j / n_around;
+      soup.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), double(i) / n_along);
+    }
+  }
+  for (Index i = 0; i < n_along; ++i) {
+    for (Index j = 0; j < n_around; ++j) {
+      const Index a = i * n_around + j, b = i * n_around + (j + 1) % n_around;
+      soup.add_face(std::array<Index, 3>{a, b, a + n_around});
+      soup.add_face(std::array<Index, 3>{b, b + n_around, a + n_around});
+    }
+  }
+  return soup;
+}
+
+// Loose rectangles in a ball of diameter 1, turned anyhow.
+PolygonSoup leaves(std::size_t n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> number(-1, 1);
+  PolygonSoup soup;
+  while (soup.n_faces() < n) {
+    const Vec3 at(number(random), number(random), number(random));
+    if (at.norm() > 1) continue;
+    const Vec3 along = Vec3(number(random), number(random), number(random)).normalized();
+    const Vec3 across = 0.01 * along.unitOrthogonal();
+    const auto first = static_cast<Index>(soup.positions.size());
+    for (const Vec2& corner : {Vec2(-1, -1), Vec2(1, -1), Vec2(1, 1), Vec2(-1, 1)})
+      soup.positions.push_back(at / 2 + 0.02 * corner.x() * along + corner.y() * across);
+    soup.add_face(std::array<Index, 4>{first, first + 1, first + 2, first + 3});
+  }
+  return soup;
+}
+
+Vec3 normal_of(const PolygonSoup& model, Index face) {
+  Vec3 sum = Vec3::Zero();
+  const auto corners = model.face(face);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    sum += model.positions[corners[i]].cross(model.positions[corners[(i + 1) % corners.size()]]);
+  return sum.normalized();
+}
+
+// All that a cloud promises, looked at point by point. 1e-9 of the size for rounding.
+void expect_cloud(const PolygonSoup& model, const BillboardCloud& cloud, const BillboardOptions& options,
+                  double size) {
+  std::vector<int> uses(model.n_faces(), 0);
+  for (const Billboard& billboard : cloud.billboards) {
+    EXPECT_NEAR(billboard.axis_u.norm(), 1, 1e-12);
+    EXPECT_NEAR(billboard.axis_v.norm(), 1, 1e-12);
+    EXPECT_NEAR(billboard.axis_u.dot(billboard.axis_v), 0, 1e-12);
+    EXPECT_LE(billboard.error, cloud.error);
+    EXPECT_LE(billboard.normal_deviation, options.largest_deviation + 1e-9);
+    EXPECT_TRUE(std::is_sorted(billboard.faces.begin(), billboard.faces.end()));
+    if (billboard.faces.size() > 1) {
+      EXPECT_LE(billboard.area(), options.largest_waste * billboard.face_area * (1 + 1e-9));
+    }
+    for (const Index face : billboard.faces) {
+      ++uses[face];
+      const double cosine = normal_of(model, face).dot(billboard.normal());
+      EXPECT_LE(std::acos(std::clamp(options.is_two_sided ? std::abs(cosine) : cosine, -1.0, 1.0)),
+                billboard.normal_deviation + 1e-6);  // angles of cosines near 1
+      for (const Index corner : model.face(face)) {
+        const Vec3 from = model.positions[corner] - billboard.center;
+        EXPECT_LE(std::abs(from.dot(billboard.normal())), billboard.error + 1e-9 * size);
+        EXPECT_LE(std::abs(from.dot(billboard.axis_u)), billboard.half_sizes.x() + 1e-9 * size);
+        EXPECT_LE(std::abs(from.dot(billboard.axis_v)), billboard.half_sizes.y() + 1e-9 * size);
+      }
+    }
+  }
+  EXPECT_EQ(std::count(uses.begin(), uses.end(), 1),
+            static_cast<std::ptrdiff_t>(model.n_faces() - cloud.left_out));
+}
+
+TEST(BillboardCloud, OfASquareIsTheSquare) {
+  const PolygonSoup square = soup_of({{0, 0, 1}, {2, 0, 1}, {2, 1, 1}, {0, 1, 1}}, {{0, 1, 2}, {0, 2, 3}});
+  for (const BillboardCloud& cloud : build_billboard_clouds(square)) {
+    ASSERT_EQ(cloud.billboards.size(), 1u);
+    const Billboard& billboard = cloud.billboards[0];
+    EXPECT_EQ(billboard.faces, (std::vector<Index>{0, 1}));
+    EXPECT_NEAR(billboard.area(), 2, 1e-12);
+    EXPECT_NEAR(billboard.face_area, 2, 1e-12);
+    EXPECT_NEAR(billboard.error, 0, 1e-12);
+    EXPECT_NEAR((billboard.center - Vec3(1, 0.5, 1)).norm(), 0, 1e-12);
+    EXPECT_NEAR(billboard.normal().z(), 1, 1e-12);
+    EXPECT_NEAR(billboard.half_sizes.x(), 1, 1e-12) << "the longer side first";
+    EXPECT_LT(billboard.normal_deviation, 1e-6);
+  }
+}
+
+TEST(BillboardCloud, OfABoxIsItsSides) {
+  const PolygonSoup box =
+      soup_of({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {0, 0, 1}, {3, 0, 1}, {3, 2, 1}, {0, 2, 1}},
+              {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}});
+  // Sides stand at right angles, which is more than 60 degrees.
+  for (const BillboardCloud& cloud : build_billboard_clouds(triangulated(box))) {
+    ASSERT_EQ(cloud.billboards.size(), 6u);
+    double area = 0;
+    for (const Billboard& billboard : cloud.billboards) area += billboard.area();
+    EXPECT_NEAR(area, 22, 1e-9);
+  }
+}
+
+TEST(BillboardCloud, LeavesOutFacesWithoutArea) {
+  const PolygonSoup soup = soup_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}}, {{0, 1, 2}, {0, 1, 3}});
+  const BillboardCloud cloud = build_billboard_clouds(soup)[0];
+  ASSERT_EQ(cloud.billboards.size(), 1u);
+  EXPECT_EQ(cloud.billboards[0].faces, std::vector<Index>{0});
+  EXPECT_EQ(cloud.left_out, 1u);
+}
+
+// As many as a prototype of the method has, and area as it has: 147 and 1.6 at a hundredth, within a tenth.
+TEST(BillboardCloud, OfABallHasAsManyBillboardsAsItShould) {
+  const PolygonSoup model = ball(36);
+  const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
+  ASSERT_EQ(clouds.size(), 4u);
+  EXPECT_NEAR(static_cast<double>(clouds[1].billboards.size()), 147, 15);
+  for (const BillboardCloud& cloud : clouds) {
+    expect_cloud(model, cloud, {}, 1);
+    double area = 0;
+    for (const Billboard& billboard : cloud.billboards) area += billboard.area();
+    EXPECT_LT(area, 1.67 * std::numbers::pi);
+  }
+}
+
+// 18, give or take 4.
+TEST(BillboardCloud, OfATubeHasAsManyBillboardsAsItShould) {
+  const PolygonSoup model = tube(0.075, 64, 60);
+  const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
+  EXPECT_NEAR(static_cast<double>(clouds[1].billboards.size()), 18, 4);
+  for (const BillboardCloud& cloud : clouds) expect_cloud(model, cloud, {}, 1);
+}
+
+TEST(BillboardCloud, OfLooseLeavesSharesBillboardsFromBothSides) {
+  const PolygonSoup model = leaves(800, 5);
+  BillboardOptions options;
+  options.is_two_sided = true;
+  options.largest_waste = 10;
+  options.errors = {0.01, 0.02, 0.05};
+  const std::vector<BillboardCloud> clouds = build_billboard_clouds(model, options);
+  for (const BillboardCloud& cloud : clouds) expect_cloud(model, cloud, options, 1);
+  EXPECT_LT(clouds[2].billboards.size(), model.n_faces() / 4);
+  BillboardOptions one_sided = options;
+  one_sided.is_two_sided = false;
+  EXPECT_GT(build_billboard_clouds(model, one_sided)[2].billboards.size(), clouds[2].billboards.size());
+}
+
+TEST(BillboardCloud, UnitesBillboardsFromErrorToError) {
+  for (const PolygonSoup& model : {ball(12), leaves(300, 3)}) {
+    const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
+    for (std::size_t i = 1; i < clouds.size(); ++i) {
+      std::vector<std::size_t> of_face(model.n_faces());
+      for (std::size_t b = 0; b < clouds[i].billboards.size(); ++b) {
+        for (const Index face : clouds[i].billboards[b].faces) of_face[face] = b;
+      }
+      for (const Billboard& finer : clouds[i - 1].billboards) {
+        std::set<std::size_t> coarser;
+        for (const Index face : finer.faces) coarser.insert(of_face[face]);
+        EXPECT_EQ(coarser.size(), 1u);
+      }
+      EXPECT_LE(clouds[i].billboards.size(), clouds[i - 1].billboards.size());
+    }
+  }
+}
+
+TEST(BillboardCloud, DoesNotDependOnUnitsAndPlace) {
+  const PolygonSoup model = ball(10);
+  PolygonSoup moved = model;
+  // Powers of two, so that rounding is the same.
+  for (Vec3& point : moved.positions) point *= 1024;
+  const std::vector<BillboardCloud> clouds = build_billboard_clouds(model),
+                                    others = build_billboard_clouds(moved);
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    ASSERT_EQ(clouds[i].billboards.size(), others[i].billboards.size());
+    for (std::size_t b = 0; b < clouds[i].billboards.size(); ++b) {
+      EXPECT_EQ(clouds[i].billboards[b].faces, others[i].billboards[b].faces);
+      EXPECT_EQ(1024 * clouds[i].billboards[b].error, others[i].billboards[b].error);
+    }
+  }
+}
+
+TEST(BillboardCloud, IsTheSameForAnyNumberOfThreads) {
+  const PolygonSoup model = leaves(200, 8);
+  const std::vector<BillboardCloud> one = [&] {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+    return build_billboard_clouds(model);
+  }();
+  const std::vector<BillboardCloud> two = build_billboard_clouds(model);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].billboards.size(), two[i].billboards.size());
+    for (std::size_t b = 0; b < one[i].billboards.size(); ++b) {
+      EXPECT_EQ(one[i].billboards[b].faces, two[i].billboards[b].faces);
+      EXPECT_EQ(one[i].billboards[b].center, two[i].billboards[b].center);
+    }
+  }
+}
+
+TEST(BillboardCloud, KeepsItsPromisesOnARealModel) {
+  const std::filesystem::path path = std::filesystem::path(RECEDE_DATA) / "meshes/fandisk.off";
+  if (!exists(path)) GTEST_SKIP() << "needs ./dev data";
+  const PolygonSoup model = read_soup(path);
+  double size = 0;
+  for (const Vec3& point : model.positions) size = std::max(size, point.cwiseAbs().maxCoeff());
+  for (const BillboardCloud& cloud : build_billboard_clouds(model)) expect_cloud(model, cloud, {}, 2 * size);
+}
+
+TEST(BillboardCloud, RefusesWhatHasNoMeaning) {
+  const PolygonSoup square = soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{0, 1, 2}});
+  const auto refuses = [&](auto&& change) {
+    BillboardOptions options;
+    change(options);
+    EXPECT_THROW(build_billboard_clouds(square, options), OptionError);
+  };
+  refuses([](BillboardOptions& options) { options.errors = {0}; });
+  refuses([](BillboardOptions& options) { options.errors = {1, 1}; });
+  refuses([](BillboardOptions& options) { options.errors = {std::nan("")}; });
+  refuses([](BillboardOptions& options) { options.largest_waste = 0.5; });
+  refuses([](BillboardOptions& options) { options.largest_deviation = -1; });
+  refuses([](BillboardOptions& options) { options.n_neighbours = 0; });
+  EXPECT_THROW(build_billboard_clouds({}), InputError);
+  EXPECT_THROW(build_billboard_clouds(soup_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}})), InputError);
+}
+
+}  // namespace
+}  // namespace recede
