@@ -1,7 +1,6 @@
 #include <recede/geometry/agglomerate.h>
 #include <recede/geometry/error.h>
-#include <recede/lod/billboard_cloud.h>
-#include <recede/lod/detail/surface_moments.h>
+#include <recede/lod/detail/billboard_faces.h>
 
 #include <nanoflann.hpp>
 #include <tbb/parallel_for.h>
@@ -9,54 +8,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace recede {
 
 namespace {
 
+using detail::BillboardFaces;
 using detail::SurfaceMoments;
 
-// Faces with an area, as they are clustered: around the middle of the model, in units of its size.
-struct Faces {
-  std::vector<Vec3> points;
-  std::vector<Index> numbers;     // in the model
-  std::vector<Index> offsets{0};  // face i has corners [offsets[i], offsets[i + 1])
-  std::vector<Index> corners;
-  std::vector<Vec3> normals;
-  std::vector<SurfaceMoments> moments;
-  std::size_t left_out = 0;
-
-  std::size_t size() const { return numbers.size(); }
-  std::span<const Index> corners_of(Index face) const {
-    return {corners.data() + offsets[face], offsets[face + 1] - offsets[face]};
-  }
-};
-
-Faces faces_of(const PolygonSoup& model, const Vec3& center, double size) {
-  Faces faces;
-  for (const Vec3& point : model.positions) faces.points.push_back((point - center) / size);
-  std::vector<Index> of_triangles;
-  const std::vector<Index> triangles = triangulate(model, &of_triangles);
-  std::vector<SurfaceMoments> moments(model.n_faces());
-  for (std::size_t t = 0; t < of_triangles.size(); ++t) {
-    moments[of_triangles[t]].add(faces.points[triangles[3 * t]], faces.points[triangles[3 * t + 1]],
-                                 faces.points[triangles[3 * t + 2]]);
-  }
-  for (std::size_t face = 0; face < model.n_faces(); ++face) {
-    const SurfaceMoments& here = moments[face];
-    if (!(here.area > 0)) {
-      ++faces.left_out;
-      continue;
-    }
-    faces.numbers.push_back(static_cast<Index>(face));
-    for (const Index corner : model.face(face)) faces.corners.push_back(corner);
-    faces.offsets.push_back(static_cast<Index>(faces.corners.size()));
-    faces.normals.push_back(here.normal.normalized());
-    faces.moments.push_back(here);
-  }
-  return faces;
-}
+constexpr std::array<double, 4> k_default_errors{0.005, 0.01, 0.02, 0.04};  // of the model's size
 
 // A box around points along given axes.
 class Extents {
@@ -106,9 +66,9 @@ const std::array<Vec3, 13>& directions() {
 
 class FaceMerger {
  public:
-  FaceMerger(const Faces& faces, const BillboardOptions& options, const std::vector<double>& errors)
-      : faces_(faces), options_(options), errors_(errors), clusters_(faces.size()), next_(faces.size()) {
-    for (Index face = 0; face < faces.size(); ++face) {
+  FaceMerger(const BillboardFaces& faces, const BillboardOptions& options, const std::vector<double>& errors)
+      : faces_(faces), options_(options), errors_(errors), clusters_(faces.count()), next_(faces.count()) {
+    for (Index face = 0; face < faces.count(); ++face) {
       Cluster& cluster = clusters_[face];
       cluster.moments = faces.moments[face];
       cluster.last = face;
@@ -215,7 +175,7 @@ class FaceMerger {
     items = std::move(kept);
   }
 
-  const Faces& faces_;
+  const BillboardFaces& faces_;
   const BillboardOptions& options_;
   const std::vector<double>& errors_;  // in units of the model's size
   std::vector<Cluster> clusters_;
@@ -235,20 +195,20 @@ struct Middles {
 };
 
 // The nearest others of each face, by their middles.
-std::vector<std::pair<Index, Index>> neighbours_of(const Faces& faces, std::size_t n) {
+std::vector<std::pair<Index, Index>> neighbours_of(const BillboardFaces& faces, std::size_t n) {
   Middles middles;
   for (const SurfaceMoments& moments : faces.moments) middles.points.push_back(moments.first / moments.area);
   using Tree =
       nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Middles>, Middles, 3, Index>;
   const Tree tree(3, middles, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  const std::size_t n_found = std::min(n + 1, faces.size());
-  std::vector<Index> found(faces.size() * n_found);
-  tbb::parallel_for(std::size_t{0}, faces.size(), [&](std::size_t i) {
+  const std::size_t n_found = std::min(n + 1, faces.count());
+  std::vector<Index> found(faces.count() * n_found);
+  tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
     std::vector<double> squares(n_found);
     tree.knnSearch(middles.points[i].data(), n_found, found.data() + i * n_found, squares.data());
   });
   std::vector<std::pair<Index, Index>> pairs;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
+  for (std::size_t i = 0; i < faces.count(); ++i) {
     for (std::size_t k = 0; k < n_found; ++k) {
       const Index other = found[i * n_found + k];
       if (other != i) pairs.emplace_back(std::minmax(static_cast<Index>(i), other));
@@ -259,8 +219,8 @@ std::vector<std::pair<Index, Index>> neighbours_of(const Faces& faces, std::size
   return pairs;
 }
 
-Billboard billboard_of(const Faces& faces, const std::vector<Index>& members, const BillboardOptions& options,
-                       const Vec3& center, double size) {
+// Of a cluster, along the axis in which it is narrowest.
+Billboard billboard_of(const BillboardFaces& faces, const std::vector<Index>& members, bool is_two_sided) {
   SurfaceMoments moments;
   for (const Index face : members) moments += faces.moments[face];
   const Eigen::Matrix3d axes = moments.axes();
@@ -268,27 +228,15 @@ Billboard billboard_of(const Faces& faces, const std::vector<Index>& members, co
   for (const Index face : members) {
     for (const Index corner : faces.corners_of(face)) extents.extend(faces.points[corner]);
   }
-  const int narrow = extents.narrowest();
-  const Vec3 normal = turned(axes.col(narrow), moments);
-  const int wide = extents.box().sizes()[(narrow + 1) % 3] >= extents.box().sizes()[(narrow + 2) % 3]
-                       ? (narrow + 1) % 3
-                       : (narrow + 2) % 3;
-  const int other = 3 - narrow - wide;
-  Billboard result;
-  result.axis_u = axes.col(wide);
-  result.axis_v = normal.cross(result.axis_u);
-  result.half_sizes = size / 2 * Vec2(extents.box().sizes()[wide], extents.box().sizes()[other]);
-  result.center = center + size * (axes * extents.box().center());
-  result.error = size * extents.error();
-  result.face_area = size * size * moments.area;
-  double least = 1;
-  for (const Index face : members) {
-    const double cosine = faces.normals[face].dot(normal);
-    least = std::min(least, options.is_two_sided ? std::abs(cosine) : cosine);
-    result.faces.push_back(faces.numbers[face]);
-  }
-  result.normal_deviation = std::acos(std::clamp(least, -1.0, 1.0));
-  return result;
+  return billboard_facing(faces, members, axes.col(extents.narrowest()), is_two_sided);
+}
+
+Agglomeration merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
+                          std::vector<double> errors, Progress* progress) {
+  for (double& error : errors) error /= faces.size;
+  FaceMerger merger(faces, options, errors);
+  const std::vector<std::pair<Index, Index>> neighbours = neighbours_of(faces, options.n_neighbours);
+  return agglomerate(faces.count(), neighbours, merger, {}, progress);
 }
 
 void check(const BillboardOptions& options) {
@@ -309,20 +257,12 @@ void check(const BillboardOptions& options) {
 std::vector<BillboardCloud> build_billboard_clouds(const PolygonSoup& model, const BillboardOptions& options,
                                                    Progress* progress) {
   check(options);
-  validate(model, "billboard cloud");
-  Box3 box;
-  for (const Index corner : model.corner_vertices) box.extend(model.positions[corner]);
-  const double size = box.isEmpty() ? 0 : box.sizes().maxCoeff();
-  if (!(size > 0)) throw InputError("a billboard cloud needs faces with an area");
+  const BillboardFaces faces = detail::billboard_faces_of(model);
   std::vector<double> errors = options.errors;
-  if (errors.empty()) errors = {0.005 * size, 0.01 * size, 0.02 * size, 0.04 * size};
-  const Faces faces = faces_of(model, box.center(), size);
-  if (faces.size() == 0) throw InputError("a billboard cloud needs faces with an area");
-  std::vector<double> scaled;
-  for (const double error : errors) scaled.push_back(error / size);
-  FaceMerger merger(faces, options, scaled);
-  const Agglomeration tree =
-      agglomerate(faces.size(), neighbours_of(faces, options.n_neighbours), merger, {}, progress);
+  if (errors.empty()) {
+    for (const double share : k_default_errors) errors.push_back(share * faces.size);
+  }
+  const Agglomeration tree = merge_faces(faces, options, errors, progress);
   std::vector<BillboardCloud> clouds;
   for (std::size_t level = 0; level < errors.size(); ++level) {
     const double limit = static_cast<double>(level + 1) * options.largest_waste;
@@ -340,7 +280,7 @@ std::vector<BillboardCloud> build_billboard_clouds(const PolygonSoup& model, con
     cloud.left_out = faces.left_out;
     cloud.billboards.resize(members.size());
     tbb::parallel_for(std::size_t{0}, members.size(), [&](std::size_t i) {
-      cloud.billboards[i] = billboard_of(faces, members[i], options, box.center(), size);
+      cloud.billboards[i] = billboard_of(faces, members[i], options.is_two_sided);
     });
   }
   return clouds;
