@@ -32,24 +32,30 @@ struct BillboardCloud {
   std::size_t left_out = 0;  ///< faces without area
 };
 
+enum class BillboardMethod {
+  face_clustering,  ///< little texture, and normals near to those of the faces
+  plane_cover,  ///< few planes, at any angle to the faces; those of a plane are parted where they lie apart
+};
+
 struct BillboardOptions {
+  BillboardMethod method = BillboardMethod::face_clustering;
   /// Of the clouds, finest first, in units of the model. None: 0.5, 1, 2 and 4 % of the longest side of its
   /// box.
   std::vector<double> errors;
-  /// Between faces and their billboard, so that it is seen where they are.
+  /// Between faces and their billboard, so that it is seen where they are. Of clusters.
   double largest_deviation = std::numbers::pi / 3;
-  /// Area of a billboard over that of its faces, for those of more than one.
+  /// Area of a billboard over that of its faces, for those of more than one. Of clusters.
   double largest_waste = 3;
   /// Faces count from both sides: turned either way they may share a billboard, as leaves do.
   bool is_two_sided = false;
-  /// Faces near to each one that it may share a billboard with.
+  /// Faces near to each one that it may share a billboard with. Of clusters.
   std::size_t n_neighbours = 50;
 };
 
-/// One cloud for each error, from one run: face clustering, the least waste first, up to each error in turn
-/// (section 7.3 of the dissertation, with the waste of a billboard as it must be meant: its area over that of
-/// its faces). Billboards of a cloud are unions of those of the one before. Throws `OptionError` for numbers
-/// out of range, `InputError` where no face has an area, `Cancelled`.
+/// One cloud for each error. Face clustering: all of them from one run, the least waste first, up to each
+/// error in turn (section 7.3 of the dissertation, with the waste of a billboard as it must be meant: its
+/// area over that of its faces); billboards of a cloud stand for unions of those of the one before. Throws
+/// `OptionError` for numbers out of range, `InputError` where no face has an area, `Cancelled`.
 std::vector<BillboardCloud> build_billboard_clouds(const PolygonSoup& model,
                                                    const BillboardOptions& options = {},
                                                    Progress* progress = nullptr);
