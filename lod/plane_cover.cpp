@@ -159,61 +159,73 @@ class PlaneCover {
   }
 
   // Planes go of which others are near to all faces, then those of which another one can take, turned, what
-  // no third is near to; the least needed first.
+  // no third is near to.
   void reduce() {
-    while (drop_one() || join_two()) {
-    }
+    n_near_.assign(faces_.count(), 0);
+    for (const Plane& plane : planes_) near_.push_back(faces_near(plane));
+    drop_needless();
+    // Of many, each has little to give.
+    constexpr std::size_t k_most_joined = 256;
+    while (planes_.size() <= k_most_joined && join_two()) drop_needless();
   }
 
-  // By plane, the faces that no other plane is near to.
-  std::vector<std::vector<Index>> own_faces() const {
-    std::vector<std::vector<Index>> own(planes_.size());
+  std::vector<Index> faces_near(const Plane& plane) {
+    std::vector<Index> near;
     for (Index face = 0; face < faces_.count(); ++face) {
-      std::size_t n = 0, last = 0;
-      for (std::size_t p = 0; p < planes_.size() && n < 2; ++p) {
-        if (!is_near(face, planes_[p])) continue;
-        ++n;
-        last = p;
-      }
-      if (n == 1) own[last].push_back(face);
+      if (!is_near(face, plane)) continue;
+      near.push_back(face);
+      ++n_near_[face];
     }
-    return own;
+    return near;
   }
 
-  bool drop_one() {
-    const std::vector<std::vector<Index>> own = own_faces();
-    for (std::size_t p = 0; p < planes_.size(); ++p) {
-      if (!own[p].empty()) continue;
-      planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(p));
-      return true;
+  void remove(std::size_t p) {
+    for (const Index face : near_[p]) --n_near_[face];
+    near_.erase(near_.begin() + static_cast<std::ptrdiff_t>(p));
+    planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(p));
+  }
+
+  // The last ones see least.
+  void drop_needless() {
+    for (std::size_t p = planes_.size(); p-- > 0;) {
+      if (std::all_of(near_[p].begin(), near_[p].end(), [&](Index face) { return n_near_[face] > 1; }))
+        remove(p);
     }
-    return false;
   }
 
   bool join_two() {
-    const std::vector<std::vector<Index>> own = own_faces();
-    std::vector<std::size_t> order(planes_.size());
-    for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return own[a].size() < own[b].size(); });
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      for (std::size_t k = i + 1; k < order.size(); ++k) {
-        std::vector<Index> both = own[order[i]];
-        both.insert(both.end(), own[order[k]].begin(), own[order[k]].end());
+    for (std::size_t b = planes_.size(); b-- > 1;) {
+      for (std::size_t a = b; a-- > 0;) {
         Plane plane;
-        if (!fits(both, plane) || !covers_without(order[i], order[k], plane)) continue;
-        planes_[order[k]] = plane;
-        planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(order[i]));
+        if (!fits(faces_of_two(a, b), plane)) continue;
+        remove(b);
+        remove(a);
+        planes_.push_back(plane);
+        near_.push_back(faces_near(plane));
         return true;
       }
     }
     return false;
   }
 
+  // That no third plane is near to.
+  std::vector<Index> faces_of_two(std::size_t a, std::size_t b) const {
+    std::vector<Index> all, result;
+    std::set_union(near_[a].begin(), near_[a].end(), near_[b].begin(), near_[b].end(),
+                   std::back_inserter(all));
+    for (const Index face : all) {
+      const std::size_t n = std::binary_search(near_[a].begin(), near_[a].end(), face) +
+                            std::binary_search(near_[b].begin(), near_[b].end(), face);
+      if (n_near_[face] == n) result.push_back(face);
+    }
+    return result;
+  }
+
   // A plane near to all of some faces.
   bool fits(const std::vector<Index>& members, Plane& plane) const {
     SurfaceMoments moments;
     for (const Index face : members) moments += faces_.moments[face];
+    if (!(moments.area > 0)) return false;
     plane.normal = moments.axes().col(0);
     double width = spread(members, plane);
     double turn = std::max(2 * error_, 0.02);
@@ -248,17 +260,6 @@ class PlaneCover {
     return all.high - all.low;
   }
 
-  // Whether all faces are near to a plane with one of two gone and the other replaced.
-  bool covers_without(std::size_t gone, std::size_t replaced, const Plane& plane) const {
-    for (Index face = 0; face < faces_.count(); ++face) {
-      bool is_covered = is_near(face, plane);
-      for (std::size_t p = 0; p < planes_.size() && !is_covered; ++p)
-        is_covered = p != gone && p != replaced && is_near(face, planes_[p]);
-      if (!is_covered) return false;
-    }
-    return true;
-  }
-
   // Each face to the plane that sees it best.
   std::vector<CoveringPlane> assigned() const {
     std::vector<CoveringPlane> result(planes_.size());
@@ -286,6 +287,8 @@ class PlaneCover {
   std::vector<double> sums_;  // by direction and offset: the area that is seen
   std::vector<unsigned char> is_covered_;
   std::vector<Plane> planes_;
+  std::vector<std::vector<Index>> near_;  // by plane: faces
+  std::vector<std::size_t> n_near_;       // by face: planes
 };
 
 }  // namespace
