@@ -118,6 +118,7 @@ void print_json(const Json& document);
 
 // The commands. Each adds itself to the application; its callback does the work.
 void add_atlas_command(CLI::App& app);
+void add_billboards_command(CLI::App& app);
 void add_bake_command(CLI::App& app);
 void add_simplify_command(CLI::App& app);
 void add_compare_command(CLI::App& app);

@@ -82,8 +82,9 @@ TEST(Documentation, HoldsOnlySmallPictures) {
 TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
-  for (const char* command : {"atlas", "bake", "simplify", "compare", "diff", "info", "progressive",
-                              "extract", "render", "turntable", "dice", "subdivide", "seams", "walk"}) {
+  for (const char* command :
+       {"atlas", "bake", "billboards", "simplify", "compare", "diff", "info", "progressive", "extract",
+        "render", "turntable", "dice", "subdivide", "seams", "walk"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -114,6 +115,7 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"render", (fs::path(out) / "sphere.recede").string(), "-o", out + ".png", "--level", "1",
             "--appearance", "auto", "--image-width", "8", "--json"},
            {"atlas", sphere, "-o", out + ".obj", "--json"},
+           {"billboards", sphere, "-o", out + ".ply", "--json"},
            {"subdivide", sphere, "-o", out + ".obj", "--level", "0", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},

@@ -1,0 +1,52 @@
+#include "run_recede.h"
+#include "temp_folder.h"
+#include <recede/geometry/mesh_io.h>
+
+#include <gmock/gmock.h>
+
+namespace recede::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(BillboardsCommand, WritesACloudForEachError) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500), out = folder / "cloud.ply";
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", sphere, "-o", out, "--relative-errors", "0.02", "0.05", "--json"}));
+  ASSERT_EQ(result["clouds"].size(), 2u);
+  ASSERT_EQ(result["outputs"].size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const nlohmann::json& cloud = result["clouds"][i];
+    EXPECT_LE(cloud["largest_error"].get<double>(), cloud["error"].get<double>());
+    EXPECT_LE(cloud["largest_deviation"].get<double>(), 60.001);
+    const PolygonSoup quads = read_soup(result["outputs"][i].get<std::string>());
+    EXPECT_EQ(quads.n_faces(), cloud["billboards"].get<std::size_t>());
+    EXPECT_EQ(quads.vertex_colors.size(), quads.positions.size());
+  }
+  EXPECT_GT(result["clouds"][0]["billboards"], result["clouds"][1]["billboards"]);
+}
+
+TEST(BillboardsCommand, CoversByPlanesInOneFile) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 300), out = folder / "cloud.obj";
+  const nlohmann::json result = json_of(run_recede(
+      {"billboards", sphere, "-o", out, "--method", "planes", "--relative-errors", "0.05", "--json"}));
+  EXPECT_EQ(result["outputs"], nlohmann::json::array({out}));
+  EXPECT_EQ(read_soup(out).n_faces(), result["clouds"][0]["billboards"].get<std::size_t>());
+}
+
+TEST(BillboardsCommand, SaysWhatCantBe) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 100), out = folder / "cloud.ply";
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--errors", "2", "1"}), 2),
+              HasSubstr("increase"));
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--method", "magic"}), 2), HasSubstr("magic"));
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "-o", "cloud.doc"}), 1), HasSubstr("cloud.doc"));
+  folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_THAT(complaint_of(run_recede({"billboards", folder / "flat.obj", "-o", out}), 1), HasSubstr("area"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "cloud.ply"));
+}
+
+}  // namespace
+}  // namespace recede::test
