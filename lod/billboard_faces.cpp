@@ -1,42 +1,12 @@
+#include <recede/geometry/atlas_packing.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/billboard_faces.h>
-#include <recede/lod/detail/plane_hulls.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace recede::detail {
-
-namespace {
-
-struct Rectangle {
-  Vec2 center = Vec2::Zero(), axis = Vec2::UnitX();  // along its longer side
-  Vec2 half_sizes = Vec2::Zero();
-};
-
-// The least one around points has a side along one of their hull's.
-Rectangle least_rectangle(std::vector<Vec2> points) {
-  const std::vector<Vec2> hull = convex_hull(std::move(points));
-  Rectangle best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Vec2 side = hull[(i + 1) % hull.size()] - hull[i];
-    if (!(side.norm() > 0)) continue;
-    const Vec2 along = side.normalized(), across(-along.y(), along.x());
-    Eigen::AlignedBox2d box;
-    for (const Vec2& point : hull) box.extend(Vec2(point.dot(along), point.dot(across)));
-    const Vec2 sizes = box.sizes();
-    if (!(sizes.prod() < least)) continue;
-    least = sizes.prod();
-    const bool is_long = sizes.x() >= sizes.y();
-    best = {box.center().x() * along + box.center().y() * across, is_long ? along : across,
-            is_long ? Vec2(sizes / 2) : Vec2(sizes.reverse() / 2)};
-  }
-  return best;
-}
-
-}  // namespace
 
 BillboardFaces billboard_faces_of(const PolygonSoup& model) {
   validate(model, "billboard cloud");
@@ -91,11 +61,15 @@ Billboard billboard_facing(const BillboardFaces& faces, std::span<const Index> m
     least_cosine = std::min(least_cosine, is_two_sided ? std::abs(cosine) : cosine);
     result.faces.push_back(faces.numbers[face]);
   }
-  const Rectangle rectangle = least_rectangle(std::move(points));
-  result.axis_u = (rectangle.axis.x() * u + rectangle.axis.y() * v).normalized();
+  const BoundingRectangle rectangle = smallest_rectangle(points);
+  const Vec2 along = rectangle.axis, across(-along.y(), along.x());
+  const Vec2 middle = rectangle.corner + (rectangle.sides.x() * along + rectangle.sides.y() * across) / 2;
+  const bool is_upright = rectangle.sides.y() > rectangle.sides.x();  // u is its longer side
+  const Vec2& longer = is_upright ? across : along;
+  result.axis_u = (longer.x() * u + longer.y() * v).normalized();
   result.axis_v = front.cross(result.axis_u);
-  result.half_sizes = faces.size * rectangle.half_sizes;
-  const Vec3 center = rectangle.center.x() * u + rectangle.center.y() * v + (low + high) / 2 * front;
+  result.half_sizes = faces.size / 2 * (is_upright ? Vec2(rectangle.sides.reverse()) : rectangle.sides);
+  const Vec3 center = middle.x() * u + middle.y() * v + (low + high) / 2 * front;
   result.center = faces.center + faces.size * center;
   result.error = faces.size * (high - low) / 2;
   result.normal_deviation = std::acos(std::clamp(least_cosine, -1.0, 1.0));
