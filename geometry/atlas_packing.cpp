@@ -15,46 +15,63 @@ namespace {
 
 constexpr int k_largest_resolution = 65536;
 
-/// The upper outline of what lies in a square, as steps from left to right.
+/// The upper outline of what lies in a rectangle, as steps from left to right.
 class Skyline {
  public:
-  explicit Skyline(int side) : side_(side), steps_{{0, 0}} {}
+  Skyline(int width, int height) : width_(width), height_(height), steps_{{0, 0}} {}
 
   struct Spot {
     int x = 0, y = 0;
     std::size_t step = 0;
   };
 
-  /// The lowest place for a rectangle, the leftmost of those; none when it sticks out of the square.
+  /// The lowest place for a rectangle, the leftmost of those; none when it sticks out.
   std::optional<Spot> lowest(int width, int height) const {
     std::optional<Spot> best;
-    for (std::size_t i = 0; i < steps_.size() && steps_[i].x + width <= side_; ++i) {
+    for (std::size_t i = 0; i < steps_.size() && steps_[i].x + width <= width_; ++i) {
       int y = 0;
       for (std::size_t j = i; j < steps_.size() && steps_[j].x < steps_[i].x + width; ++j) {
         y = std::max(y, steps_[j].y);
       }
-      if (y + height <= side_ && (!best || y < best->y)) best = Spot{steps_[i].x, y, i};
+      if (y + height <= height_ && (!best || y < best->y)) best = Spot{steps_[i].x, y, i};
     }
     return best;
   }
 
+  /// Puts a rectangle where its upper side is lowest, turned or not; none when there is no room.
+  std::optional<PackedRectangles::Place> take(int width, int height) {
+    const auto along = lowest(width, height), turned = lowest(height, width);
+    if (!along && !turned) return std::nullopt;
+    const bool turn = !along || (turned && turned->y + width < along->y + height);
+    const Spot& spot = turn ? *turned : *along;
+    place(spot, turn ? height : width, turn ? width : height);
+    return PackedRectangles::Place{spot.x, spot.y, turn};
+  }
+
+  /// Height of the highest step.
+  int top() const {
+    int y = 0;
+    for (const Step& step : steps_) y = std::max(y, step.y);
+    return y;
+  }
+
+ private:
   void place(const Spot& spot, int width, int height) {
     const int right = spot.x + width;
     std::size_t end = spot.step;
     int last_y = 0;
     while (end < steps_.size() && steps_[end].x < right) last_y = steps_[end++].y;
-    const bool covered = right == (end < steps_.size() ? steps_[end].x : side_);
+    const bool covered = right == (end < steps_.size() ? steps_[end].x : width_);
     const auto at = steps_.begin() + static_cast<std::ptrdiff_t>(spot.step);
     const auto next = steps_.erase(at, steps_.begin() + static_cast<std::ptrdiff_t>(end));
     const auto rest = covered ? next : steps_.insert(next, {right, last_y});
     steps_.insert(rest, {spot.x, spot.y + height});
   }
 
- private:
   struct Step {
     int x, y;  // the step reaches to the next one's x
   };
-  int side_;
+  int width_, height_;
   std::vector<Step> steps_;
 };
 
@@ -69,19 +86,16 @@ class Packer {
 
   /// False when they don't fit at this scale.
   bool pack(int resolution, double scale, std::vector<PackedRectangles::Place>& places) const {
-    Skyline skyline(resolution);
+    Skyline skyline(resolution, resolution);
     places.resize(sides_.size());
     for (const std::size_t r : order_) {
       const Vec2 texels = scale * sides_[r];
       if (texels.maxCoeff() > resolution) return false;
       const int width = static_cast<int>(std::ceil(texels.x())) + gutter_;
       const int height = static_cast<int>(std::ceil(texels.y())) + gutter_;
-      const auto along = skyline.lowest(width, height), turned = skyline.lowest(height, width);
-      if (!along && !turned) return false;
-      const bool turn = !along || (turned && turned->y + width < along->y + height);
-      const Skyline::Spot& spot = turn ? *turned : *along;
-      skyline.place(spot, turn ? height : width, turn ? width : height);
-      places[r] = {spot.x + gutter_ / 2, spot.y + gutter_ / 2, turn};
+      const auto place = skyline.take(width, height);
+      if (!place) return false;
+      places[r] = {place->x + gutter_ / 2, place->y + gutter_ / 2, place->turned};
     }
     return true;
   }
@@ -161,6 +175,43 @@ PackedRectangles pack_rectangles(std::span<const Vec2> sides, const PackingOptio
   result.texels_per_unit = fits;
   result.occupancy = area * fits * fits / result.resolution / result.resolution;
   return result;
+}
+
+PackedTexels pack_texels(std::span<const Eigen::Vector2i> sizes, int gutter) {
+  if (gutter < 0 || gutter > k_largest_resolution)
+    throw OptionError(fmt::format("a gutter of {} texels", gutter));
+  std::vector<std::size_t> order(sizes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return sizes[a].maxCoeff() > sizes[b].maxCoeff(); });
+  double area = 0;
+  int longest = 1;
+  for (const Eigen::Vector2i& size : sizes) {
+    if (size.minCoeff() < 1) throw InputError("rectangles to pack must have positive sides");
+    area += (size.x() + gutter) * static_cast<double>(size.y() + gutter);
+    longest = std::max(longest, size.maxCoeff());
+  }
+  const auto up_to_four = [](double x) { return 4 * static_cast<int>(std::ceil(x / 4)); };
+  PackedTexels best;
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  constexpr int k_widths = 24;
+  for (int i = 0; i < k_widths && !sizes.empty(); ++i) {
+    const double ratio = std::pow(4.0, static_cast<double>(i) / (k_widths - 1) - 0.5);  // of width to height
+    const int width = up_to_four(std::max<double>(std::sqrt(ratio * area), longest + gutter));
+    if (width > k_largest_resolution || area / width > k_largest_resolution) continue;
+    Skyline skyline(width, std::numeric_limits<int>::max() / 2);
+    std::vector<PackedRectangles::Place> places(sizes.size());
+    for (const std::size_t r : order) places[r] = *skyline.take(sizes[r].x() + gutter, sizes[r].y() + gutter);
+    const int height = up_to_four(skyline.top());
+    const std::int64_t texels = std::int64_t{width} * height;
+    if (texels >= least || height > k_largest_resolution) continue;
+    least = texels;
+    best = {std::move(places), width, height};
+  }
+  if (best.width == 0 && !sizes.empty())
+    throw InputError(fmt::format("{} rectangles don't fit {} x {} texels", sizes.size(), k_largest_resolution,
+                                 k_largest_resolution));
+  return best;
 }
 
 BoundingRectangle smallest_rectangle(std::span<const Vec2> points) {

@@ -32,6 +32,16 @@ struct PackedRectangles {
 /// hold.
 PackedRectangles pack_rectangles(std::span<const Vec2> sides, const PackingOptions& options = {});
 
+/// Rectangles of whole texels, in one of the smallest that holds them.
+struct PackedTexels {
+  std::vector<PackedRectangles::Place> places;  ///< one for each rectangle
+  int width = 0, height = 0;                    ///< multiples of 4, as block compression wants them
+};
+
+/// Packs rectangles as they are, each turned or not, `gutter` texels apart: the least area of some widths,
+/// none more than four times as long as high. Throws like `pack_rectangles`.
+PackedTexels pack_texels(std::span<const Eigen::Vector2i> sizes, int gutter);
+
 /// The rectangle of least area around some points.
 struct BoundingRectangle {
   Vec2 corner = Vec2::Zero();  ///< the one from which both axes lead along the sides

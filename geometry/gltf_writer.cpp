@@ -274,7 +274,12 @@ struct GltfBuilder::Impl {
     if (!material.normal_texture.empty())
       entry["normalTexture"] = {{"index", texture_number(material.normal_texture)}};
     if (!material.name.empty()) entry["name"] = material.name;
-    if (material.base_color[3] < 1.0) entry["alphaMode"] = "BLEND";
+    if (material.alpha_cutoff) {
+      entry["alphaMode"] = "MASK";
+      entry["alphaCutoff"] = *material.alpha_cutoff;
+    } else if (material.base_color[3] < 1.0) {
+      entry["alphaMode"] = "BLEND";
+    }
     materials.push_back(std::move(material));
     return append("materials", std::move(entry));
   }

@@ -3,6 +3,7 @@
 
 #include <recede/geometry/vec.h>
 
+#include <optional>
 #include <string>
 
 namespace recede {
@@ -14,6 +15,8 @@ struct Material {
   std::string base_color_texture;       ///< path or URI as written in the file; empty: none
   /// The same for a map of normals in tangent space, y up. Only glTF holds it.
   std::string normal_texture{};
+  /// What has less opacity isn't drawn, and the rest as if it were opaque. Only glTF holds it.
+  std::optional<double> alpha_cutoff{};
   friend bool operator==(const Material&, const Material&) = default;
 };
 

@@ -4,6 +4,8 @@
 
 #include <png.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace recede {
@@ -52,6 +54,11 @@ struct PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 };
+
+int color_type_of(int channels) {
+  if (channels == 1) return PNG_COLOR_TYPE_GRAY;
+  return channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
+}
 
 constexpr const char* k_cut = "the file ends too early";
 
@@ -102,21 +109,31 @@ Raster decode(std::string_view bytes) {
 
 }  // namespace
 
+float encode_srgb(float linear) {
+  const float value = std::clamp(linear, 0.0f, 1.0f);
+  return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1.0f / 2.4f) - 0.055f;
+}
+
+float decode_srgb(float encoded) {
+  const float value = std::clamp(encoded, 0.0f, 1.0f);
+  return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
+}
+
 std::string encode_png(const Raster& raster) {
   const auto width = static_cast<std::size_t>(raster.width), height = static_cast<std::size_t>(raster.height);
   const auto channels = static_cast<std::size_t>(raster.channels);
   const bool possible = raster.width > 0 && raster.height > 0 &&
-                        (raster.channels == 1 || raster.channels == 3) &&
+                        (raster.channels == 1 || raster.channels == 3 || raster.channels == 4) &&
                         (raster.bits == 8 || raster.bits == 16);
   if (!possible || raster.samples.size() != width * height * channels) {
-    throw OptionError("a raster needs texels of 1 or 3 channels with 8 or 16 bits");
+    throw OptionError("a raster needs texels of 1, 3 or 4 channels with 8 or 16 bits");
   }
   std::string file;
   const PngWriter writer;
   png_set_write_fn(writer.png, &file, append_bytes, nullptr);
   png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height),
-               raster.bits, channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+               raster.bits, color_type_of(raster.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
   if (raster.srgb) png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_write_info(writer.png, writer.info);
   const std::size_t row_samples = width * channels;

@@ -13,7 +13,7 @@ namespace recede {
 /// A rectangle of texels, row by row, row 0 on top. Samples are whole numbers from 0 to 2^bits - 1.
 struct Raster {
   int width = 0, height = 0;
-  int channels = 1;   ///< 1: grey, 3: red, green, blue; files may also have 2 or 4: the same and opacity
+  int channels = 1;   ///< 1: grey, 3: red, green, blue, 4: with opacity; files may also have 2
   int bits = 8;       ///< of a sample, 8 or 16
   bool srgb = false;  ///< samples are encoded by the sRGB transfer function; else linear data
   std::vector<std::uint16_t> samples;  ///< height x width x channels
@@ -27,9 +27,14 @@ struct Raster {
   bool operator==(const Raster&) const = default;
 };
 
+/// The sRGB transfer function: linear light, clamped to 0..1, to the encoded value in 0..1.
+float encode_srgb(float linear);
+/// Its inverse.
+float decode_srgb(float encoded);
+
 /// The bytes of a PNG file with the same samples. A raster that isn't sRGB says nothing about its transfer
-/// function. Throws `OptionError` unless sizes and bits are as said above, there are 1 or 3 channels, and
-/// samples for them, and `Error` with libpng's reason.
+/// function. Throws `OptionError` unless sizes and bits are as said above, there are 1, 3 or 4 channels,
+/// and samples for them, and `Error` with libpng's reason.
 std::string encode_png(const Raster& raster);
 
 /// What the bytes of a PNG file hold, of any kind: palettes become colours, samples of fewer than 8 bits are

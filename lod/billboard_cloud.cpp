@@ -50,7 +50,14 @@ std::vector<BillboardCloud> build_billboard_clouds(const PolygonSoup& model, con
     for (const double share : k_default_errors) errors.push_back(share * faces.size);
   }
   std::vector<BillboardCloud> clouds;
-  for (const double error : errors) clouds.push_back({error, {}, faces.left_out});
+  const bool has_limit = options.method == BillboardMethod::face_clustering;
+  for (const double error : errors) {
+    clouds.push_back({error,
+                      {},
+                      faces.left_out,
+                      options.is_two_sided,
+                      has_limit ? options.largest_deviation : std::numbers::pi});
+  }
   if (options.method == BillboardMethod::face_clustering) {
     std::vector<std::vector<Billboard>> clusters = cluster_faces(faces, options, errors, progress);
     for (std::size_t i = 0; i < clouds.size(); ++i) clouds[i].billboards = std::move(clusters[i]);

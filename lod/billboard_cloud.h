@@ -30,6 +30,8 @@ struct BillboardCloud {
   double error = 0;  ///< that was asked for: no billboard's is larger
   std::vector<Billboard> billboards;
   std::size_t left_out = 0;  ///< faces without area
+  bool is_two_sided = false;
+  double largest_deviation = std::numbers::pi;  ///< that was permitted, radians
 };
 
 enum class BillboardMethod {

@@ -127,7 +127,7 @@ class Baker {
     const auto side = static_cast<std::size_t>(options_.size);
     heights_.assign(side * side, 0);
     if (options_.normal) normals_.assign(side * side, Vec3f::Zero());
-    if (options_.color && surface.has_colors()) colors_.assign(side * side, Vec3f::Zero());
+    if (options_.color && surface.attributes().has_colors()) colors_.assign(side * side, Vec3f::Zero());
     std::vector<std::size_t> inside(side, 0), missed(side, 0);
     constexpr std::size_t k_batch = 64;  // rows between reports
     for (std::size_t begin = 0; begin < side; begin += k_batch) {
@@ -154,8 +154,9 @@ class Baker {
     const MapPlace point = triangles.at(t, weights_for(triangles, t, texel));
     const FineSurface::Place place = surface.over(point, maps_.report.search_distance);
     heights_[texel] = place.height;
-    if (!normals_.empty()) normals_[texel] = to_tangent_space(point, surface.normal_at(place)).cast<float>();
-    if (!colors_.empty()) colors_[texel] = surface.color_at(place).cast<float>();
+    if (!normals_.empty())
+      normals_[texel] = to_tangent_space(point, surface.attributes().normal_at(place)).cast<float>();
+    if (!colors_.empty()) colors_[texel] = surface.attributes().color_at(place).cast<float>();
     return place.missed;
   }
 

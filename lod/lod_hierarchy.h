@@ -3,6 +3,7 @@
 
 #include <recede/geometry/cad_import.h>
 #include <recede/geometry/mesh_distance.h>
+#include <recede/lod/billboard_texture.h>
 #include <recede/lod/displacement_bake.h>
 #include <recede/lod/simplify.h>
 #include <recede/lod/view_settings.h>
@@ -32,6 +33,8 @@ struct LodLevel {
   /// and normals.
   std::optional<BakedMaps> maps{};
   std::optional<MapAccuracy> map_accuracy{};  ///< when there is a displacement map
+  /// Of billboards, whose rectangles `mesh` holds; see `billboard_level` for what the error then is.
+  std::optional<BillboardTextures> billboards{};
   /// Of an assembly: each part once, in its own coordinates; `mesh` has them where instances are.
   std::vector<PolygonSoup> parts{};
 };
@@ -72,6 +75,7 @@ LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
 struct MapFiles {
   std::filesystem::path displacement, normal, color;
   std::filesystem::path displacement_exr, normal_exr;  ///< with `MapFormat::exr`, beside the PNG files
+  std::filesystem::path height{};                      ///< of billboards
 };
 
 /// Files that were written.
@@ -88,11 +92,15 @@ struct HierarchyFiles {
 /// took aren't in the files. Maps are PNG files in the folder, to which the GLB refers: `normalTexture` and
 /// `baseColorTexture` of the level's materials, and `extras.recede_displacement` of its mesh with `uri`,
 /// `scale`, `offset` and `space`, and with `exr` where there is one: heights as floats, in object units. Such
-/// a level is written as `BakedMaps::surface`, the GLB with its tangents.
+/// a level is written as `BakedMaps::surface`, the GLB with its tangents. Billboards have their colours with
+/// opacity, which the GLB takes as a mask, normals and heights as PNG files; `extras.recede_billboards` of
+/// their mesh names that of heights with `uri`, `range` (object units: black to white is -range to range),
+/// and the cloud's `error`.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`, maps too, but of what baking met only why there
-/// is an atlas, and of assemblies the levels as a whole. Throws `InputError`.
+/// is an atlas, of assemblies the levels as a whole, and of billboards not the faces that they stand for.
+/// Throws `InputError`.
 LodHierarchy read_hierarchy(const std::filesystem::path& folder);
 
 }  // namespace recede

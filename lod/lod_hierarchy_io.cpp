@@ -87,11 +87,39 @@ int add_instances(GltfBuilder& builder, const LodHierarchy& hierarchy, const Lod
   return whole;
 }
 
+Json billboards_to_json(const BillboardTextures& textures, const std::string& uri) {
+  return {
+      {"uri", uri}, {"range", textures.height_range}, {"error", textures.error}, {"texel", textures.texel}};
+}
+
+int add_billboards(GltfBuilder& builder, const BillboardTextures& textures, std::size_t level,
+                   const std::string& folder, const std::string& name) {
+  PolygonSoup quads = quads_of(textures);
+  const auto uri = [&](const char* map) { return folder + "/" + map_name(level, map); };
+  quads.materials = {{.name = fmt::format("level {}", level),
+                      .base_color = Vec4::Ones(),
+                      .base_color_texture = uri("color"),
+                      .normal_texture = uri("normal"),
+                      .alpha_cutoff = 0.5}};
+  quads.face_materials.assign(quads.n_faces(), 0);
+  std::vector<Vec4> tangents;
+  for (const Billboard& billboard : textures.billboards) {
+    const Vec3& u = billboard.axis_u;
+    tangents.insert(tangents.end(), 4, Vec4(u.x(), u.y(), u.z(), 1));
+  }
+  const int mesh = builder.add_mesh(quads, name, {.corner_tangents = tangents});
+  builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_billboards"] =
+      billboards_to_json(textures, detail::encode_percent(uri("height")));
+  return builder.add_node(mesh, name);
+}
+
 int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i) {
   const std::string suffix = fmt::format(" level {}", i), name = hierarchy.name + suffix;
   const LodLevel& level = hierarchy.levels[i];
   if (level.mesh.n_faces() > 0 && !level.parts.empty())
     return add_instances(builder, hierarchy, level, name, suffix);
+  if (level.billboards)
+    return add_billboards(builder, *level.billboards, i, hierarchy.name + ".recede", name);
   if (!level.maps) return builder.add_node(builder.add_mesh(to_soup(level.mesh), name), name);
   const std::string folder = hierarchy.name + ".recede";
   const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, folder), name,
@@ -147,6 +175,8 @@ Json to_json(const LodLevel& level, const std::string& file, const MapFiles& map
   if (!maps.normal.empty()) result["normal"] = {{"uri", maps.normal.filename().string()}};
   if (!maps.normal_exr.empty()) result["normal"]["exr"] = maps.normal_exr.filename().string();
   if (!maps.color.empty()) result["color"] = {{"uri", maps.color.filename().string()}};
+  if (!maps.height.empty())
+    result["billboards"] = billboards_to_json(*level.billboards, maps.height.filename().string());
   if (level.maps) result["atlas_reason"] = level.maps->report.atlas_reason;
   return result;
 }
@@ -155,12 +185,17 @@ Json to_json(const LodLevel& level, const std::string& file, const MapFiles& map
 MapFiles write_maps(const LodLevel& level, std::size_t number, const fs::path& stage,
                     const fs::path& folder) {
   MapFiles files;
-  if (!level.maps) return files;
   const auto write = [&](const Raster& map, const char* kind, fs::path& file) {
     if (map.samples.empty()) return;
     write_file_atomically(stage / map_name(number, kind), encode_png(map));
     file = folder / map_name(number, kind);
   };
+  if (level.billboards) {
+    write(level.billboards->color, "color", files.color);
+    write(level.billboards->normal, "normal", files.normal);
+    write(level.billboards->height, "height", files.height);
+  }
+  if (!level.maps) return files;
   write(level.maps->displacement, "displacement", files.displacement);
   write(level.maps->normal, "normal", files.normal);
   write(level.maps->color, "color", files.color);
@@ -224,6 +259,34 @@ std::optional<BakedMaps> read_maps(const Json& entry, const fs::path& folder, Po
   return maps;
 }
 
+/// From the rectangles in a level's file: their corners and texture coordinates say where billboards are.
+BillboardTextures read_billboards(const Json& entry, const fs::path& folder, const PolygonSoup& quads) {
+  const auto read = [&](const std::string& file, int channels) {
+    Raster map = read_png(folder / file);
+    if (map.channels != channels || map.bits != 8)
+      throw InputError::in_file((folder / file).string(),
+                                fmt::format("isn't a picture of {} channels of 8 bits", channels));
+    return map;
+  };
+  const std::string file = (folder / entry.at("file").get<std::string>()).string();
+  BillboardTextures textures;
+  const Json& billboards = entry.at("billboards");
+  textures.error = billboards.at("error");
+  textures.texel = billboards.at("texel");
+  textures.height_range = billboards.at("range");
+  textures.color = read(entry.at("color").at("uri"), 4);
+  textures.normal = read(entry.at("normal").at("uri"), 3);
+  textures.height = read(billboards.at("uri"), 1);
+  const auto same_size = [&](const Raster& map) {
+    return map.width == textures.color.width && map.height == textures.color.height;
+  };
+  if (!same_size(textures.normal) || !same_size(textures.height))
+    throw InputError::in_file(file, "has textures of different sizes");
+  if (!place_billboards(quads, textures))
+    throw InputError::in_file(file, "holds other faces than rectangles with places in their textures");
+  return textures;
+}
+
 /// A folder that takes its final name only when everything in it was written.
 class StagedFolder {
  public:
@@ -278,8 +341,9 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
     const std::string file = fmt::format("level_{}.ply", i);
     const LodLevel& level = hierarchy.levels[i];
     const fs::path target = staged.path() / file;
-    const WriteResult written =
-        level.maps ? write_soup(target, level.maps->surface) : write_mesh(target, level.mesh);
+    const WriteResult written = level.maps         ? write_soup(target, level.maps->surface)
+                                : level.billboards ? write_soup(target, quads_of(*level.billboards))
+                                                   : write_mesh(target, level.mesh);
     files.level_bytes.push_back(written.bytes);
     files.level_files.push_back(files.folder / file);
     files.map_files.push_back(write_maps(level, i, staged.path(), files.folder));
@@ -325,7 +389,11 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
       level.switch_distance = entry.at("switch_distance");
       level.screen_coverage = entry.at("screen_coverage");
       level.stop_reason = entry.at("stop_reason");
-      level.maps = read_maps(entry, folder, std::move(soup));
+      if (entry.contains("billboards")) {
+        level.billboards = read_billboards(entry, folder, soup);
+      } else {
+        level.maps = read_maps(entry, folder, std::move(soup));
+      }
       hierarchy.levels.push_back(std::move(level));
     }
   } catch (const nlohmann::json::exception& error) {

@@ -1,6 +1,6 @@
 #include <recede/geometry/error.h>
+#include <recede/lod/detail/embree_device.h>
 #include <recede/render/detail/displaced_data.h>
-#include <recede/render/detail/embree_device.h>
 #include <recede/render/displaced_mesh.h>
 
 #include <tbb/parallel_for.h>

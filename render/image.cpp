@@ -13,16 +13,6 @@ Image::Image(int image_width, int image_height, const Rgb& fill) : width(image_w
   pixels.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), fill);
 }
 
-float encode_srgb(float linear) {
-  const float value = std::clamp(linear, 0.0f, 1.0f);
-  return value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1.0f / 2.4f) - 0.055f;
-}
-
-float decode_srgb(float encoded) {
-  const float value = std::clamp(encoded, 0.0f, 1.0f);
-  return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
-}
-
 Rgb rgb_from_hex(unsigned hex) {
   const auto channel = [hex](unsigned shift) {
     return decode_srgb(static_cast<float>((hex >> shift) & 0xffu) / 255.0f);

@@ -1,6 +1,8 @@
 // Pictures in linear light, and PNG files of them.
 #pragma once
 
+#include <recede/geometry/raster.h>
+
 #include <Eigen/Core>
 
 #include <cstddef>
@@ -32,11 +34,6 @@ struct Image {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
   }
 };
-
-/// The sRGB transfer function: linear light, clamped to 0..1, to the encoded value in 0..1.
-float encode_srgb(float linear);
-/// Its inverse.
-float decode_srgb(float encoded);
 
 /// The linear colour that web pages write as 0xrrggbb.
 Rgb rgb_from_hex(unsigned hex);

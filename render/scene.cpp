@@ -1,8 +1,9 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/shading_normals.h>
+#include <recede/lod/detail/embree_device.h>
 #include <recede/lod/displaced_base.h>
+#include <recede/render/detail/billboard_look.h>
 #include <recede/render/detail/displaced_look.h>
-#include <recede/render/detail/embree_device.h>
 #include <recede/render/detail/ground_disc.h>
 #include <recede/render/detail/scene_data.h>
 #include <recede/render/scene.h>
@@ -26,12 +27,34 @@ using detail::SurfaceShape;
 using detail::throw_on_embree_error;
 
 // From the models alone: a floor that reaches far must not cost them detail.
-void place_scene(std::span<const PolygonSoup> soups, SceneData& data) {
-  Box3 box;
-  for (const PolygonSoup& soup : soups) box.extend(bounding_box(soup));
+void place_scene(const Box3& box, SceneData& data) {
   const double extent = box.sizes().maxCoeff();
   data.center = box.center();
   data.scale = extent > 0 ? 1 / extent : 1;
+}
+
+// Object space.
+Box3 box_of(const PlacedBillboards& billboards) {
+  Box3 box;
+  for (const Billboard& billboard : billboards.textures->billboards) {
+    const Vec3 u = billboard.half_sizes.x() * billboard.axis_u,
+               v = billboard.half_sizes.y() * billboard.axis_v,
+               n = detail::BillboardLook::k_height_room * billboards.textures->height_range *
+                   billboard.normal();
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 corner = billboard.center + ((k & 1) != 0 ? u : Vec3(-u)) + ((k & 2) != 0 ? v : Vec3(-v)) +
+                          ((k & 4) != 0 ? n : Vec3(-n));
+      for (const Eigen::Affine3d& placement : billboards.placements) box.extend(placement * corner);
+    }
+  }
+  return box;
+}
+
+// A soup of a box's corners alone.
+PolygonSoup corners_of(const Box3& box) {
+  PolygonSoup corners;
+  for (int k = 0; k < 8; ++k) corners.positions.push_back(box.corner(static_cast<Box3::CornerType>(k)));
+  return corners;
 }
 
 void extend_radius(double radius, SceneData& data) {
@@ -147,6 +170,7 @@ RTCGeometry triangle_geometry(RTCDevice device, const Positions& positions, cons
 }
 
 RTCGeometry geometry_of(RTCDevice device, const SceneData& data, const MeshData& mesh, SurfaceShape shape) {
+  if (mesh.billboards) return detail::billboard_geometry(device, *mesh.billboards);
   if (!mesh.displaced || shape == SurfaceShape::base)
     return triangle_geometry(device, mesh.positions, mesh.triangles);
   if (shape == SurfaceShape::displaced) return detail::displaced_geometry(device, mesh.displaced->surface);
@@ -241,17 +265,37 @@ SceneData::~SceneData() {
 
 }  // namespace detail
 
-Scene::Scene(std::span<const PolygonSoup> soups, const SceneOptions& options)
+Scene::Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
+             const SceneOptions& options)
     : data_(std::make_unique<detail::SceneData>()) {
-  if (soups.empty()) throw InputError("a scene needs a surface");
+  if (soups.empty() && billboards.empty()) throw InputError("a scene needs a surface");
+  Box3 box;
   for (const PolygonSoup& soup : soups) {
     if (soup.n_faces() == 0) throw InputError("a surface without faces can't be drawn");
+    box.extend(bounding_box(soup));
   }
-  place_scene(soups, *data_);
+  std::vector<PolygonSoup> on_ground(soups.begin(), soups.end());
+  for (const PlacedBillboards& placed : billboards) {
+    const Box3 around = box_of(placed);
+    if (around.isEmpty()) throw InputError("billboards without any can't be drawn");
+    box.extend(around);
+    on_ground.push_back(corners_of(around));
+  }
+  place_scene(box, *data_);
   for (const PolygonSoup& soup : soups) add_mesh(soup, options.crease_angle, *data_);
-  if (options.ground) add_mesh(detail::ground_disc(soups, *options.ground), 0, *data_);
+  for (const PlacedBillboards& placed : billboards) {
+    data_->meshes.emplace_back().billboards =
+        std::make_shared<detail::BillboardLook>(placed, data_->center, data_->scale);
+    const Box3 around = box_of(placed);
+    extend_radius(
+        data_->scaled(around.min()).cwiseAbs().cwiseMax(data_->scaled(around.max()).cwiseAbs()).norm(),
+        *data_);
+  }
+  if (options.ground) add_mesh(detail::ground_disc(on_ground, *options.ground), 0, *data_);
   build_embree_scenes(*data_);
 }
+
+Scene::Scene(std::span<const PolygonSoup> soups, const SceneOptions& options) : Scene(soups, {}, options) {}
 
 Scene::Scene(const PolygonSoup& soup, const SceneOptions& options)
     : Scene(std::span<const PolygonSoup>(&soup, 1), options) {}
@@ -306,8 +350,7 @@ void Scene::build_displaced(const PolygonSoup& base, std::shared_ptr<DisplacedLo
   const Vec3 farthest = data_->scaled(box.min()).cwiseAbs().cwiseMax(data_->scaled(box.max()).cwiseAbs());
   extend_radius(farthest.norm(), *data_);
   if (options.ground) {
-    PolygonSoup corners;  // of the box around all heights
-    for (int k = 0; k < 8; ++k) corners.positions.push_back(box.corner(static_cast<Box3::CornerType>(k)));
+    const PolygonSoup corners = corners_of(box);  // around all heights
     add_mesh(detail::ground_disc(std::span<const PolygonSoup>(&corners, 1), *options.ground), 0, *data_);
   }
   build_embree_scenes(*data_);

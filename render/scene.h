@@ -3,6 +3,7 @@
 
 #include <recede/geometry/polygon_mesh.h>
 #include <recede/lod/displacement_bake.h>
+#include <recede/render/billboards.h>
 #include <recede/render/displaced_mesh.h>
 #include <recede/render/image.h>
 
@@ -50,6 +51,9 @@ class Scene {
   explicit Scene(const PolygonMesh& mesh, const SceneOptions& options = {});
   /// Several models, none of them empty.
   explicit Scene(std::span<const PolygonSoup> soups, const SceneOptions& options = {});
+  /// Models and billboards, of either perhaps none.
+  Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
+        const SceneOptions& options = {});
   /// A displaced surface, traced without tessellation; colours are those of the base. It is shaded by the
   /// slopes of its heights, and as facets with a `crease_angle` of 0. Throws like `DisplacedMesh`.
   Scene(const PolygonSoup& base, const DisplacementMap& heights, const DisplacedMeshOptions& displacement,

@@ -1,3 +1,4 @@
+#include <recede/render/detail/billboard_look.h>
 #include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/surface_point.h>
 
@@ -58,11 +59,18 @@ void set_appearance(const DisplacedLook& look, const Hit& base_hit, const Vec3f&
   }
 }
 
+SurfaceLook look_of_billboard(const BillboardLook& billboards, const Hit& hit, const Vec3f& direction) {
+  SurfaceLook look{billboards.normal_at(hit), billboards.color_at(hit)};
+  if (hit.front.dot(direction) > 0) look.normal = -look.normal;
+  return look;
+}
+
 }  // namespace
 
 SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& direction,
                     const MethodShares& shares) {
   const MeshData& mesh = scene.meshes[any_hit.part.object];
+  if (mesh.billboards) return look_of_billboard(*mesh.billboards, any_hit, direction);
   const Hit hit = mesh.displaced ? hit_of_base(*mesh.displaced, any_hit) : any_hit;
   const std::uint32_t triangle = hit.part.primitive;
   const Vec3f weights(1 - hit.u - hit.v, hit.u, hit.v);
@@ -135,7 +143,13 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
   SurfacePoint point;
   point.part = hit.part;
   double off = 0;
-  if (mesh.displaced && !is_on_base(hit)) {
+  if (mesh.billboards) {
+    // Neighbours show parts of the same surface, each a little off.
+    constexpr double k_texels_off = 1.5;
+    point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
+    point.geometric_normal = hit.front.cast<double>().stableNormalized();
+    off = k_texels_off * mesh.billboards->texel(hit.part.primitive);
+  } else if (mesh.displaced && !is_on_base(hit)) {
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();
     off = displaced_rounding_bound(*mesh.displaced, mesh, hit, point.position);

@@ -86,6 +86,10 @@ class GltfReader {
       if (texture) material.base_color_texture = image_path(texture.integer());
       const GltfValue normals = materials.at(i)["normalTexture"]["index"];
       if (normals) material.normal_texture = image_path(normals.integer());
+      if (materials.at(i)["alphaMode"].text_or("OPAQUE") == "MASK") {
+        const GltfValue cutoff = materials.at(i)["alphaCutoff"];
+        material.alpha_cutoff = cutoff ? cutoff.number() : 0.5;
+      }
       soup_.materials.push_back(std::move(material));
     }
   }

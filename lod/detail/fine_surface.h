@@ -3,6 +3,7 @@
 
 #include <recede/geometry/closest_point.h>
 #include <recede/lod/detail/map_surface.h>
+#include <recede/lod/detail/surface_attributes.h>
 
 namespace recede::detail {
 
@@ -10,26 +11,19 @@ namespace recede::detail {
 class FineSurface {
  public:
   /// Keeps a reference.
-  explicit FineSurface(const PolygonSoup& soup);
+  explicit FineSurface(const PolygonSoup& soup)
+      : attributes_(soup), tree_(soup.positions, attributes_.triangles()) {}
 
-  struct Place {
-    double height = 0;  ///< along the normal, object units
-    Index triangle = 0;
-    Vec3 weights = Vec3::Zero();  ///< of its corners
-    bool missed = false;          ///< the line met nothing: the closest point
+  struct Place : TrianglePlace {
+    double height = 0;    ///< along the normal, object units
+    bool missed = false;  ///< the line met nothing: the closest point
   };
   Place over(const MapPlace& point, double reach) const;
 
-  /// The soup's own normal, or else smooth but for creases; unit length.
-  Vec3 normal_at(const Place& place) const;
-  bool has_colors() const { return !soup_.vertex_colors.empty() || !soup_.face_materials.empty(); }
-  /// Linear: the material's base colour times the vertex colour.
-  Vec3 color_at(const Place& place) const;
+  const SurfaceAttributes& attributes() const { return attributes_; }
 
  private:
-  const PolygonSoup& soup_;
-  std::vector<Index> faces_, corners_;  // of the triangles
-  std::vector<Vec3> normals_;           // of the soup's corners
+  SurfaceAttributes attributes_;
   ClosestPointTree tree_;
 };
 

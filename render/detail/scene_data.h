@@ -13,10 +13,11 @@
 
 namespace recede::detail {
 
+class BillboardLook;
 struct DisplacedLook;
 
-/// A mesh in Embree, or the base of a displaced surface there. Lengths and places are those of the scaled
-/// scene.
+/// A mesh in Embree, the base of a displaced surface there, or billboards. Lengths and places are those of
+/// the scaled scene.
 struct MeshData {
   std::vector<std::array<float, 4>> positions;  ///< the fourth is padding: Embree reads 16 bytes
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -25,9 +26,10 @@ struct MeshData {
   std::vector<Rgb> vertex_colors;  ///< factors, or empty
   /// Bit k: the side from vertex k to vertex k + 1 is a side of the polygon, not a diagonal.
   std::vector<std::uint8_t> polygon_sides;
-  std::vector<float> polygon_areas;                     ///< of the polygon that the triangle belongs to
-  std::vector<float> longest_sides;                     ///< of the triangles at each vertex
-  std::shared_ptr<const DisplacedLook> displaced = {};  ///< null: the triangles themselves are drawn
+  std::vector<float> polygon_areas;                      ///< of the polygon that the triangle belongs to
+  std::vector<float> longest_sides;                      ///< of the triangles at each vertex
+  std::shared_ptr<const DisplacedLook> displaced = {};   ///< null: the triangles themselves are drawn
+  std::shared_ptr<const BillboardLook> billboards = {};  ///< set: drawn instead, and there are no triangles
 
   Vec3 position(std::uint32_t vertex) const {
     return Eigen::Vector3f(positions[vertex].data()).cast<double>();

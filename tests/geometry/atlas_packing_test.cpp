@@ -113,5 +113,46 @@ TEST(AtlasPacking, PointsOnALineOrAPointHaveAFlatRectangle) {
               1e-12);
 }
 
+TEST(TexelPacking, KeepsRectanglesApartInASmallAtlas) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> side(1, 30);
+  std::vector<Eigen::Vector2i> sizes;
+  int area = 0;
+  for (int i = 0; i < 200; ++i) {
+    sizes.emplace_back(side(random), side(random));
+    area += sizes.back().prod();
+  }
+  const PackedTexels packed = pack_texels(sizes, 1);
+  EXPECT_EQ(packed.width % 4, 0);
+  EXPECT_EQ(packed.height % 4, 0);
+  EXPECT_GT(area, 0.75 * packed.width * packed.height);  // the gutters alone take a tenth
+  std::vector<int> owners(static_cast<std::size_t>(packed.width * packed.height), 0);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const PackedRectangles::Place& place = packed.places[i];
+    const int width = place.turned ? sizes[i].y() : sizes[i].x(),
+              height = place.turned ? sizes[i].x() : sizes[i].y();
+    ASSERT_LE(place.x + width, packed.width);
+    ASSERT_LE(place.y + height, packed.height);
+    for (int y = place.y; y < std::min(place.y + height + 1, packed.height); ++y) {
+      for (int x = place.x; x < std::min(place.x + width + 1, packed.width); ++x)
+        EXPECT_EQ(owners[static_cast<std::size_t>(y * packed.width + x)]++, 0) << "rectangle " << i;
+    }
+  }
+}
+
+TEST(TexelPacking, TakesOneRectangleAsItIs) {
+  const std::vector<Eigen::Vector2i> sizes{{8, 4}};
+  const PackedTexels packed = pack_texels(sizes, 0);
+  EXPECT_EQ(packed.width * packed.height, 32);
+  EXPECT_EQ(pack_texels({}, 1).places.size(), 0u);
+}
+
+TEST(TexelPacking, RefusesWhatHasNoMeaning) {
+  const std::vector<Eigen::Vector2i> none{{0, 4}}, endless{{70'000, 1}};
+  EXPECT_THROW(pack_texels(none, 1), InputError);
+  EXPECT_THROW(pack_texels(endless, 1), InputError);
+  EXPECT_THROW(pack_texels({}, -1), OptionError);
+}
+
 }  // namespace
 }  // namespace recede

@@ -25,7 +25,7 @@ TEST(Raster, PngSaysBitsAndChannelsInItsHeader) {
 
 TEST(Raster, PngComesBackWithItsSamplesAndWhatItSaysOfThem) {
   std::mt19937 random(2);
-  for (const int channels : {1, 3}) {
+  for (const int channels : {1, 3, 4}) {
     for (const int bits : {8, 16}) {
       Raster raster{
           .width = 7, .height = 5, .channels = channels, .bits = bits, .srgb = bits == 8, .samples = {}};

@@ -1,4 +1,5 @@
 #include "simple_soups.h"
+#include "uv_ball.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/detail/plane_cover.h>
@@ -14,27 +15,7 @@ namespace recede {
 namespace {
 
 using test::soup_of;
-
-// Triangles of a ball of diameter 1, by rings.
-PolygonSoup ball(Index n_rings) {
-  PolygonSoup soup;
-  const Index n = 2 * n_rings;
-  for (Index i = 0; i <= n_rings; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      const double down = std::numbers::pi * i / n_rings, around = 2 * std::numbers::pi * j / n;
-      soup.positions.emplace_back(std::sin(down) * std::cos(around) / 2,
-                                  std::sin(down) * std::sin(around) / 2, std::cos(down) / 2);
-    }
-  }
-  for (Index i = 0; i < n_rings; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      const Index a = i * n + j, b = i * n + (j + 1) % n, c = a + n, d = b + n;
-      if (i > 0) soup.add_face(std::array<Index, 3>{a, c, b});
-      if (i + 1 < n_rings) soup.add_face(std::array<Index, 3>{b, c, d});
-    }
-  }
-  return soup;
-}
+using test::uv_ball;
 
 PolygonSoup tube(double radius, Index n_around, Index n_along) {
   PolygonSoup soup;
@@ -155,7 +136,7 @@ TEST(BillboardCloud, LeavesOutFacesWithoutArea) {
 
 // As many as a prototype of the method has, and area as it has: 147 and 1.6 at a hundredth, within a tenth.
 TEST(BillboardCloud, OfABallHasAsManyBillboardsAsItShould) {
-  const PolygonSoup model = ball(36);
+  const PolygonSoup model = uv_ball(36);
   const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
   ASSERT_EQ(clouds.size(), 4u);
   EXPECT_NEAR(static_cast<double>(clouds[1].billboards.size()), 147, 15);
@@ -190,7 +171,7 @@ TEST(BillboardCloud, OfLooseLeavesSharesBillboardsFromBothSides) {
 }
 
 TEST(BillboardCloud, UnitesBillboardsFromErrorToError) {
-  for (const PolygonSoup& model : {ball(12), leaves(300, 3)}) {
+  for (const PolygonSoup& model : {uv_ball(12), leaves(300, 3)}) {
     const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
     for (std::size_t i = 1; i < clouds.size(); ++i) {
       std::vector<std::size_t> of_face(model.n_faces());
@@ -257,7 +238,7 @@ TEST(BillboardCloud, CoversLooseLeaves) {
 }
 
 TEST(BillboardCloud, DoesNotDependOnUnitsAndPlace) {
-  const PolygonSoup model = ball(10);
+  const PolygonSoup model = uv_ball(10);
   PolygonSoup moved = model;
   // Powers of two, so that rounding is the same.
   for (Vec3& point : moved.positions) point *= 1024;

@@ -1,5 +1,5 @@
 #include <recede/geometry/error.h>
-#include <recede/render/detail/embree_device.h>
+#include <recede/lod/detail/embree_device.h>
 
 #include <string_view>
 
