@@ -237,7 +237,7 @@ void add_bake_command(CLI::App& app) {
   command
       ->add_option("input", options->input,
                    "mesh or CAD file (.obj .ply .stl .off .gltf .glb .step .stp .iges .igs .brep .brp), or a "
-                   "built-in model: teapot, sphere")
+                   "built-in model: teapot, sphere, tree")
       ->required();
   command->add_option("-o,--output", options->output, "folder to write to")->required();
   HierarchyOptions& hierarchy = options->hierarchy;

@@ -22,13 +22,22 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
       ->check(CLI::Range(0, k_most_threads));
 }
 
+namespace {
+
+std::optional<PolygonSoup> built_in_model(const std::string& input) {
+  if (fs::exists(input)) return {};
+  constexpr std::size_t k_sphere_faces = 250'000;
+  if (input == "teapot") return make_teapot();
+  if (input == "sphere") return make_displaced_sphere(k_sphere_faces, true);
+  if (input == "tree") return make_tree();
+  return {};
+}
+
+}  // namespace
+
 Model read_model(const std::string& input, Progress* progress) {
-  if (!fs::exists(input)) {
-    constexpr std::size_t k_sphere_faces = 250'000;
-    if (input == "teapot") return {input, repair_to_polygon_mesh(make_teapot())};
-    if (input == "sphere")
-      return {input, repair_to_polygon_mesh(make_displaced_sphere(k_sphere_faces, true))};
-  }
+  if (std::optional<PolygonSoup> soup = built_in_model(input))
+    return {input, repair_to_polygon_mesh(std::move(*soup))};
   return {fs::path(input).stem().string(), read_mesh(input, progress)};
 }
 

@@ -30,7 +30,7 @@ struct CommonOptions {
 };
 void add_common_options(CLI::App& command, CommonOptions& options);
 
-/// A model by file name, or one of the built-in ones, `teapot` and `sphere`.
+/// A model by file name, or one of the built-in ones, `teapot`, `sphere` and `tree`.
 struct Model {
   std::string name;  ///< for files made from it
   MeshFromSoup read;
@@ -39,7 +39,7 @@ Model read_model(const std::string& input, Progress* progress);
 /// Throws `InputError` for a model without faces, with which nothing can be done.
 void require_faces(const Model& model, const std::string& input);
 inline constexpr const char* k_input_help =
-    "mesh file (.obj .ply .stl .off .gltf .glb), or a built-in model: teapot, sphere";
+    "mesh file (.obj .ply .stl .off .gltf .glb), or a built-in model: teapot, sphere, tree";
 
 /// Turns a name into its number. CLI11's own transformers also take the numbers, and list them when they
 /// complain.

@@ -140,7 +140,7 @@ void run_turntable(const RenderCommandOptions& options) {
 void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
   command
       .add_option("input", options.input,
-                  "mesh file, built-in model (teapot, sphere), or a hierarchy's folder NAME.recede")
+                  "mesh file, built-in model (teapot, sphere, tree), or a hierarchy's folder NAME.recede")
       ->required();
   const auto view = "View (default: the whole model from in front)";
   add_view_options(command, options.view, view);

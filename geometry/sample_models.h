@@ -17,4 +17,15 @@ PolygonSoup make_teapot(std::size_t quads_per_side = 40, double relief = 0.02);
 /// as many triangles; n is chosen so that there are at least `faces` of them. Closed and manifold.
 PolygonSoup make_displaced_sphere(std::size_t faces, bool triangles);
 
+struct TreeOptions {
+  std::size_t leaves = 2400;  ///< more than that are smaller, so that the crown is as dense
+  std::uint32_t seed = 1;     ///< the same one: the same tree
+};
+
+/// A broad-leaved tree, y up and about 10 units high, of about 13 000 triangles: trunk and branches as bent
+/// tubes that end in points (material `bark`), and at the twigs' ends leaves of four triangles each, folded
+/// and bent, seen from both sides (material `leaves`). Vertex colours are factors, a tint for each leaf.
+/// Nothing connects its parts; no face is without area.
+PolygonSoup make_tree(const TreeOptions& options = {});
+
 }  // namespace recede

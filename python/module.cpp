@@ -394,6 +394,9 @@ PYBIND11_MODULE(_recede, m) {
   });
   m.def("make_displaced_sphere",
         [](std::size_t faces, bool triangles) { return make_mesh(make_displaced_sphere(faces, triangles)); });
+  m.def("make_tree", [](std::size_t leaves, std::uint32_t seed) {
+    return make_mesh(make_tree({.leaves = leaves, .seed = seed}));
+  });
   bind_subdivision(m);
   bind_cad(m);
   bind_charts(m);

@@ -63,8 +63,8 @@ __all__ = [
     "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh",
     "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "bake", "bake_maps", "build_progressive",
     "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas", "make_displaced_sphere",
-    "make_teapot", "read", "read_appearance", "read_cad", "read_image", "render", "set_threads", "simplify",
-    "simplify_levels", "subdivide", "tessellate_cad", "write", "write_image",
+    "make_teapot", "make_tree", "read", "read_appearance", "read_cad", "read_image", "render", "set_threads",
+    "simplify", "simplify_levels", "subdivide", "tessellate_cad", "write", "write_image",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -542,6 +542,11 @@ def make_teapot(quads_per_side: int = 40, relief: float = 0.02) -> Mesh:
 def make_displaced_sphere(faces: int = 250_000, *, triangles: bool = True) -> Mesh:
     """A sphere of radius 1 with ridges of noise, of at least so many triangles or quads."""
     return _recede.make_displaced_sphere(faces, triangles)
+
+
+def make_tree(leaves: int = 2400, *, seed: int = 1) -> Mesh:
+    """A broad-leaved tree, y up and about 10 units high, whose leaves nothing connects."""
+    return _recede.make_tree(leaves, seed)
 
 
 def set_threads(count: int) -> None:

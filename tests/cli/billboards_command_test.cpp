@@ -36,6 +36,13 @@ TEST(BillboardsCommand, CoversByPlanesInOneFile) {
   EXPECT_EQ(read_soup(out).n_faces(), result["clouds"][0]["billboards"].get<std::size_t>());
 }
 
+TEST(BillboardsCommand, TakesTheBuiltInTree) {
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", "tree", "--two-sided", "--relative-errors", "0.03", "--json"}));
+  EXPECT_EQ(result["left_out"], 0);
+  EXPECT_LT(result["clouds"][0]["billboards"].get<std::size_t>(), 2400u);  // it has as many leaves
+}
+
 TEST(BillboardsCommand, SaysWhatCantBe) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 100), out = folder / "cloud.ply";

@@ -122,6 +122,13 @@ def test_quads_stay_quads():
     assert (sizes == 4).mean() > 0.5
 
 
+def test_a_tree_has_the_leaves_that_were_asked_for():
+    tree = recede.make_tree(50, seed=3)
+    leaf = [material.name for material in tree.materials].index("leaves")
+    assert (tree.face_materials == leaf).sum() == 4 * 50
+    assert not np.array_equal(tree.positions, recede.make_tree(50).positions)
+
+
 def test_the_input_stays_as_it_was(sphere):
     before = sphere.positions.copy(), sphere.corner_vertices.copy()
     recede.simplify(sphere, ratio=0.1)
