@@ -217,6 +217,9 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
     paint(maps.surface, level);
     return Scene(maps, displacement, shading);
   }
+  const bool is_painted =
+      options_.false_color != FalseColor::none && options_.false_color != FalseColor::samples;
+  if (drawn.billboards && !options_.no_maps && !is_painted) return Scene(drawn, shading);
   PolygonSoup soup;
   const bool is_displaced = method == Displacement::tessellated;
   if (heights_) {

@@ -125,7 +125,7 @@ class BillboardBaker {
       block.values[i] = sums.values / static_cast<float>(sums.n);
     }
     if (std::find(known.begin(), known.end(), 1) == known.end()) return block;
-    detail::keep_masked_area(block.opacity, block.width, block.height);
+    detail::keep_thin_parts(block.opacity, block.width, block.height);
     detail::fill_holes(block.values, std::move(known), block.width, block.height);
     return block;
   }

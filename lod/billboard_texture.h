@@ -45,8 +45,8 @@ struct BillboardTextures {
 };
 
 /// The textures of a cloud of `model`: the means of some samples in each texel, which rays from in front of
-/// its billboard meet. Opacity is the covered share, times a number for each billboard with which the area
-/// that is drawn is the one that is covered. Throws `OptionError` for options out of range, and where the
+/// its billboard meet. Opacity is the covered share, and more in billboards of which half and more would show
+/// less than four fifths of what is covered. Throws `OptionError` for options out of range, and where the
 /// atlas would have more than 2^28 texels; `Cancelled`.
 BillboardTextures texture_billboards(const PolygonSoup& model, const BillboardCloud& cloud,
                                      const BillboardTextureOptions& options = {},

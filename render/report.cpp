@@ -127,7 +127,7 @@ std::vector<LevelContent> draw_levels(const LodHierarchy& hierarchy, const Vec3&
                     [](const LodLevel& level) { return level.maps && change_the_look(*level.maps); });
   PictureProgress pictures(progress, 3 * count - 2 + static_cast<std::size_t>(with_maps));
   std::vector<LevelContent> levels(count);
-  const Scene original(hierarchy.levels[0].mesh);
+  const Scene original(hierarchy.levels[0]);
   const Camera camera = close_up_camera(hierarchy.levels[0].mesh, up);
   RenderOptions close_up;
   close_up.samples_per_pixel = 9;
@@ -135,7 +135,7 @@ std::vector<LevelContent> draw_levels(const LodHierarchy& hierarchy, const Vec3&
   levels[0].summary = summarize(hierarchy.levels[0].mesh);
   levels[0].close_up = render(original, camera, close_up, &pictures);
   for (std::size_t i = 1; i < count; ++i) {
-    const Scene scene(hierarchy.levels[i].mesh);
+    const Scene scene(hierarchy.levels[i]);
     levels[i].summary = summarize(hierarchy.levels[i].mesh);
     levels[i].close_up = render(scene, camera, close_up, &pictures);
     levels[i].at_switch = compare_at_switch(hierarchy, i, original, scene, up, &pictures);

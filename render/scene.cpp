@@ -302,6 +302,16 @@ Scene::Scene(const PolygonSoup& soup, const SceneOptions& options)
 
 Scene::Scene(const PolygonMesh& mesh, const SceneOptions& options) : Scene(to_soup(mesh), options) {}
 
+Scene::Scene(const LodLevel& level, const SceneOptions& options)
+    : data_(std::make_unique<detail::SceneData>()) {
+  if (!level.billboards) {
+    *this = Scene(level.mesh, options);
+    return;
+  }
+  const PlacedBillboards placed{std::make_shared<const BillboardTextures>(*level.billboards)};
+  *this = Scene(std::span<const PolygonSoup>{}, std::span<const PlacedBillboards>(&placed, 1), options);
+}
+
 Scene::Scene(const PolygonSoup& base, const DisplacementMap& heights,
              const DisplacedMeshOptions& displacement, const SceneOptions& options)
     : data_(std::make_unique<detail::SceneData>()) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <recede/geometry/polygon_mesh.h>
-#include <recede/lod/displacement_bake.h>
+#include <recede/lod/lod_hierarchy.h>
 #include <recede/render/billboards.h>
 #include <recede/render/displaced_mesh.h>
 #include <recede/render/image.h>
@@ -54,6 +54,8 @@ class Scene {
   /// Models and billboards, of either perhaps none.
   Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
         const SceneOptions& options = {});
+  /// A level of a hierarchy: its billboards, or else its mesh.
+  explicit Scene(const LodLevel& level, const SceneOptions& options = {});
   /// A displaced surface, traced without tessellation; colours are those of the base. It is shaded by the
   /// slopes of its heights, and as facets with a `crease_angle` of 0. Throws like `DisplacedMesh`.
   Scene(const PolygonSoup& base, const DisplacementMap& heights, const DisplacedMeshOptions& displacement,

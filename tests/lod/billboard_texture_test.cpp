@@ -233,16 +233,16 @@ TEST(MaskedArea, IsWhereOpacityIsAHalfAndMore) {
   EXPECT_EQ(detail::masked_area({1, 1, 1, 1}, 2, 2), 4);
   EXPECT_EQ(detail::masked_area({0, 0, 0, 0}, 2, 2), 0);
   // Bilinear, so that it ends half-way between the middles.
-  // At places of which there are 64 along a side.
-  EXPECT_NEAR(detail::masked_area({1, 0}, 2, 1), 1, 1.0 / 64);
-  EXPECT_NEAR(detail::masked_area({1, 1, 0, 0}, 4, 1), 2, 1.0 / 64);
+  // At places of which there are 16 along a side.
+  EXPECT_NEAR(detail::masked_area({1, 0}, 2, 1), 1, 1.0 / 16);
+  EXPECT_NEAR(detail::masked_area({1, 1, 0, 0}, 4, 1), 2, 1.0 / 16);
 }
 
 TEST(MaskedArea, IsKeptForThinParts) {
   // A line a tenth as wide as a texel covers a tenth of each that it runs through.
   std::vector<float> opacity(400, 0.0f);
   for (std::size_t i = 0; i < 20; ++i) opacity[20 * i + 7] = 0.1f + 0.001f * static_cast<float>(i % 5);
-  detail::keep_masked_area(opacity, 20, 20);
+  detail::keep_thin_parts(opacity, 20, 20);
   double sum = 0;
   for (std::size_t i = 0; i < 20; ++i) sum += 0.1 + 0.001 * static_cast<double>(i % 5);
   EXPECT_NEAR(detail::masked_area(opacity, 20, 20), sum, 0.3);
