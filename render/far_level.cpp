@@ -1,0 +1,266 @@
+#include <recede/geometry/error.h>
+#include <recede/lod/billboard_level.h>
+#include <recede/render/far_level.h>
+#include <recede/render/renderer.h>
+#include <recede/render/sphere_directions.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace recede {
+
+namespace {
+
+void check(const LodHierarchy& hierarchy, const FarLevelOptions& options) {
+  if (hierarchy.levels.empty() || hierarchy.levels[0].mesh.n_faces() == 0)
+    throw InputError("a level far away needs a model with faces");
+  double last = 0;
+  for (const double error : options.relative_errors) {
+    if (!(error > last && std::isfinite(error)))
+      throw OptionError("errors of far levels are above 0 and increase");
+    last = error;
+  }
+  if (options.views < 6 || options.views > 4096)
+    throw OptionError("far levels are compared in 6 to 4096 views");
+}
+
+double area_of(const PolygonSoup& model) {
+  double area = 0;
+  for (std::size_t face = 0; face < model.n_faces(); ++face) area += vector_area(model, face).norm();
+  return area;
+}
+
+// Leaves and other sheets have more borders than closed bodies.
+bool is_of_sheets(const PolygonMesh& mesh) {
+  constexpr double k_share = 0.1;
+  std::size_t n_borders = 0;
+  for (const auto edge : mesh.edges()) n_borders += mesh.is_boundary(edge) ? 1 : 0;
+  return static_cast<double>(n_borders) > k_share * static_cast<double>(mesh.n_edges());
+}
+
+// The level that takes the least of what is more than some bytes; the finest if none does.
+const PolygonMesh& level_above(const LodHierarchy& hierarchy, std::size_t bytes) {
+  for (std::size_t i = hierarchy.levels.size(); i-- > 1;) {
+    if (!hierarchy.levels[i].billboards && mesh_bytes(hierarchy.levels[i].mesh) > bytes)
+      return hierarchy.levels[i].mesh;
+  }
+  return hierarchy.levels[0].mesh;
+}
+
+// As many triangles as some bytes hold; parts are dropped where else they don't become that few.
+PolygonMesh simplified_to_bytes(const PolygonMesh& mesh, std::size_t bytes, Progress* progress) {
+  if (mesh_bytes(mesh) <= bytes) return mesh;
+  SimplifyOptions options;
+  options.prove_error = false;
+  double faces = static_cast<double>(mesh.n_faces());
+  PolygonMesh result = mesh;
+  constexpr int k_attempts = 12;
+  for (int attempt = 0; attempt < k_attempts && mesh_bytes(result) > bytes; ++attempt) {
+    // What the last attempt missed by, and a little.
+    constexpr double k_less = 0.98;
+    faces *= std::min(k_less, k_less * static_cast<double>(bytes) / static_cast<double>(mesh_bytes(result)));
+    options.target.faces = static_cast<std::size_t>(std::max(1.0, faces));
+    SimplifyResult reached = simplify(mesh, options, progress);
+    if (!options.drop_parts && reached.reason == StopReason::no_collapse_left) {
+      options.drop_parts = true;
+      reached = simplify(mesh, options, progress);
+    }
+    result = std::move(reached.mesh);
+  }
+  return result;
+}
+
+std::size_t n_triangles(const PolygonMesh& mesh) {
+  std::size_t n = 0;
+  for (const auto face : mesh.faces()) n += mesh.valence(face) - 2;
+  return n;
+}
+
+// Pictures of the model, and how far others are from them.
+class FarPictures {
+ public:
+  FarPictures(const LodHierarchy& hierarchy, double distance, int n_views) {
+    const Scene model(hierarchy.levels[0]);
+    const Vec3 up = Vec3::UnitY();
+    for (const Vec3& direction : spread_directions(n_views).directions) {
+      const Camera whole =
+          look_at(hierarchy.center, direction, distance + hierarchy.radius, up, hierarchy.view);
+      int side = std::min(whole.height, static_cast<int>(projected_diameter(whole, hierarchy.radius)) + 4);
+      side += (whole.height - side) % 2;
+      cameras_.push_back(crop_to_middle(whole, side, side));
+      pictures_.push_back(render(model, cameras_.back(), options_));
+    }
+    for (const Image& picture : pictures_) {
+      for (const Rgb& pixel : picture.pixels) n_pixels_ += pixel != options_.background ? 1 : 0;
+    }
+  }
+
+  double difference(const Scene& scene) const {
+    double squares = 0;
+    for (std::size_t view = 0; view < cameras_.size(); ++view) {
+      const Image picture = render(scene, cameras_[view], options_);
+      for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+          const float step = encode_srgb(picture.pixels[i][k]) - encode_srgb(pictures_[view].pixels[i][k]);
+          squares += static_cast<double>(step * step) / 3;
+        }
+      }
+    }
+    return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, n_pixels_)));
+  }
+
+ private:
+  RenderOptions options_{.samples_per_pixel = 16};
+  std::vector<Camera> cameras_;
+  std::vector<Image> pictures_;
+  std::size_t n_pixels_ = 0;  // that the model is in
+};
+
+class FarLevels {
+ public:
+  FarLevels(const LodHierarchy& hierarchy, const FarLevelOptions& options, Progress* progress)
+      : hierarchy_(hierarchy),
+        options_(options),
+        progress_(progress),
+        model_(to_soup(hierarchy.levels[0].mesh)),
+        area_(area_of(model_)) {}
+
+  std::vector<FarLevelTrial> run() {
+    const double size = bounding_box(model_).sizes().maxCoeff();
+    std::vector<FarLevelTrial> trials;
+    for (const double share : options_.relative_errors) {
+      FarLevelTrial& trial = trials.emplace_back();
+      trial.error = share * size;
+      trial.distance = switch_distance(trial.error, hierarchy_.view);
+    }
+    std::vector<FarLevelTrial*> open;  // that pictures decide
+    for (FarLevelTrial& trial : trials) {
+      if (!triangles_serve(trial)) open.push_back(&trial);
+    }
+    if (open.empty()) return trials;
+    for (const BillboardMethod method : options_.methods) {
+      BillboardOptions clouds = options_.clouds;
+      clouds.method = method;
+      clouds.errors.clear();
+      for (const FarLevelTrial* trial : open) clouds.errors.push_back(trial->error);
+      clouds.is_two_sided |= is_of_sheets(hierarchy_.levels[0].mesh);
+      const std::vector<BillboardCloud> built = build_billboard_clouds(model_, clouds, progress_);
+      for (std::size_t i = 0; i < open.size(); ++i) {
+        FarLevelTrial trial = *open[i];
+        trial.method = method;
+        compare(built[i], trial);
+        if (!open[i]->cloud || advantage_of(trial) > advantage_of(*open[i])) *open[i] = std::move(trial);
+      }
+    }
+    return trials;
+  }
+
+ private:
+  // Above 1: billboards are nearer to the model.
+  static double advantage_of(const FarLevelTrial& trial) {
+    return trial.triangle_difference / std::max(trial.billboard_difference, 1e-9);
+  }
+
+  bool triangles_serve(FarLevelTrial& trial) const {
+    const double texel = trial.error / options_.textures.texels_per_error;
+    const double texture_bytes = 8 * area_ / (texel * texel);
+    for (const LodLevel& level : hierarchy_.levels) {
+      if (level.billboards || level.error.bound > trial.error / 2) continue;
+      trial.triangles = n_triangles(level.mesh);
+      trial.triangle_bytes = mesh_bytes(level.mesh);
+      if (static_cast<double>(trial.triangle_bytes) > texture_bytes) continue;
+      trial.reason = fmt::format("triangles: {} of them are off by less than half of a pixel, in {} bytes",
+                                 trial.triangles, trial.triangle_bytes);
+      return true;
+    }
+    if (model_.n_faces() > options_.most_faces) {
+      trial.reason = fmt::format("triangles: {} faces are too many to merge", model_.n_faces());
+      return true;
+    }
+    return false;
+  }
+
+  void compare(const BillboardCloud& cloud, FarLevelTrial& trial) {
+    BillboardTextures textures = texture_billboards(model_, cloud, options_.textures, progress_);
+    trial.billboards = textures.billboards.size();
+    trial.texels = textures.n_texels();
+    trial.billboard_bytes = billboard_bytes(textures);
+    const PolygonMesh triangles =
+        simplified_to_bytes(level_above(hierarchy_, trial.billboard_bytes), trial.billboard_bytes, progress_);
+    trial.triangles = n_triangles(triangles);
+    trial.triangle_bytes = mesh_bytes(triangles);
+    report_progress(progress_, "compare far levels", 0);
+    const FarPictures pictures(hierarchy_, trial.distance, options_.views);
+    trial.triangle_difference = pictures.difference(Scene(triangles));
+    const PlacedBillboards placed{std::make_shared<const BillboardTextures>(textures)};
+    trial.billboard_difference = pictures.difference(
+        Scene(std::span<const PolygonSoup>{}, std::span<const PlacedBillboards>(&placed, 1)));
+    trial.takes_billboards = trial.billboard_difference < trial.triangle_difference;
+    trial.cloud = std::move(textures);
+    trial.reason = fmt::format(
+        "{}: pictures of {} billboards are off by {:.3g}, of {} triangles in no more "
+        "bytes ({}) by {:.3g}",
+        trial.takes_billboards ? "billboards" : "triangles", trial.billboards, trial.billboard_difference,
+        trial.triangles, trial.billboard_bytes, trial.triangle_difference);
+  }
+
+  const LodHierarchy& hierarchy_;
+  const FarLevelOptions& options_;
+  Progress* progress_;
+  PolygonSoup model_;
+  double area_;
+};
+
+}  // namespace
+
+std::size_t mesh_bytes(const PolygonMesh& mesh) {
+  std::size_t n_vertices = mesh.n_vertices();
+  if (mesh.has_corner_normals() || mesh.has_corner_uvs()) {
+    std::set<std::array<double, 6>> corners;
+    for (const auto corner : mesh.halfedges()) {
+      if (mesh.is_boundary(corner)) continue;
+      const Vec3 normal = mesh.has_corner_normals() ? mesh.corner_normal(corner) : Vec3(Vec3::Zero());
+      const Vec2 uv = mesh.has_corner_uvs() ? mesh.corner_uv(corner) : Vec2(Vec2::Zero());
+      corners.insert({static_cast<double>(mesh.to_vertex_handle(corner).idx()), normal.x(), normal.y(),
+                      normal.z(), uv.x(), uv.y()});
+    }
+    n_vertices = corners.size();
+  }
+  constexpr std::size_t k_vertex = 28, k_triangle = 12;
+  return k_vertex * n_vertices + k_triangle * n_triangles(mesh);
+}
+
+std::size_t billboard_bytes(const BillboardTextures& textures) {
+  // Four vertices of positions, normals, tangents and texture coordinates, and two triangles.
+  constexpr std::size_t k_rectangle = 4 * (12 + 12 + 16 + 8) + 2 * 12;
+  return textures.bytes() + k_rectangle * textures.billboards.size();
+}
+
+std::vector<FarLevelTrial> compare_far_levels(const LodHierarchy& hierarchy, const FarLevelOptions& options,
+                                              Progress* progress) {
+  check(hierarchy, options);
+  return FarLevels(hierarchy, options, progress).run();
+}
+
+std::size_t append_far_levels(LodHierarchy& hierarchy, std::vector<FarLevelTrial>& trials,
+                              Progress* progress) {
+  const PolygonSoup model = to_soup(hierarchy.levels[0].mesh);
+  std::size_t n = 0;
+  for (FarLevelTrial& trial : trials) {
+    if (!trial.takes_billboards || !trial.cloud) continue;
+    LodLevel level = billboard_level(model, std::move(*trial.cloud), trial.reason, progress);
+    trial.cloud.reset();
+    // Behind a level that serves from farther away nobody would see it.
+    while (hierarchy.levels.size() > 1 && hierarchy.levels.back().error.bound > level.error.bound)
+      hierarchy.levels.pop_back();
+    append_level(hierarchy, std::move(level));
+    ++n;
+  }
+  return n;
+}
+
+}  // namespace recede
