@@ -58,15 +58,16 @@ struct LocalPca {
 /// Leen 1997; for bidirectional texture functions Muller, Meseth and Klein 2003). From k-means with a drawn
 /// start (k-means++, Arthur and Vassilvitskii 2007), each round gives vectors to the cluster that loses least
 /// of them, and then clusters their means and leading eigenvectors. Clusters that vectors don't need, as
-/// those of fewer or constant vectors, are left out.
+/// those of fewer or equal vectors, are left out.
 ///
-/// Rounds see vectors in the space of the leading directions of the training vectors, of which there are as
-/// many as all clusters together have means and components (or 256, if that is more): what lies outside of it
-/// is lost, and it is less than what the clusters themselves lose, as far as the training vectors are like
-/// all (Halko, Martinsson and Tropp 2011 for the space). All vectors count in all rounds. Memory besides the
-/// result: 4 bytes x (`count` x directions + `training_vectors` x `dimension` + 4 x `dimension` x
-/// directions), and 64 MB. For 20 000 vectors of 14 455 numbers, 64 clusters and 8 components these are 0.5
-/// GB.
+/// Rounds see vectors in the space of the leading directions of the training vectors (found as in Halko,
+/// Martinsson and Tropp 2011), of which there are as many as all clusters together have means and components,
+/// from 256 to 1024. What lies outside of it is lost: with training vectors that are like all, and up to 1024
+/// such directions, that is less than what the clusters themselves lose. All vectors count in all rounds.
+///
+/// Memory besides the result: 4 bytes x `dimension` x (`training_vectors` + 4 x directions), then 4 bytes x
+/// (`dimension` + 2 x `count`) x directions and 64 MB. For 20 000 vectors of 14 455 numbers, 64 clusters and
+/// 8 components that is 0.4 GB, for 100 000 vectors 0.6 GB.
 ///
 /// The same result for any number of threads, on a processor of the same kind. Throws `OptionError` for
 /// options out of range; `InputError` without vectors or numbers, and for a vector with a number that isn't

@@ -17,6 +17,9 @@ constexpr float k_most = 1e15F;                   // sums of squares stay finite
 constexpr std::size_t k_block_numbers = 1 << 24;  // 64 MB
 /// Directions at least: when few are wanted, more are needed to find them.
 constexpr Eigen::Index k_least_directions = 256;
+/// At most: 2304 instead lower the error of 256 clusters of texels with 8 components by its 300th part, in
+/// twice the time.
+constexpr Eigen::Index k_most_directions = 1024;
 
 Eigen::Index to_index(std::size_t number) { return static_cast<Eigen::Index>(number); }
 
@@ -106,7 +109,7 @@ VectorBasis find_basis(const VectorSource& vectors, const LocalPcaOptions& optio
   VectorRows rows = read_training(vectors, training, progress);
   VectorBasis basis{.mean = mean_of(rows), .directions = {}};
   const Eigen::Index wanted = Eigen::Index{options.clusters} * (options.components + 1);
-  const Eigen::Index count = std::min(rows.cols(), std::max(wanted, k_least_directions));
+  const Eigen::Index count = std::min(rows.cols(), std::clamp(wanted, k_least_directions, k_most_directions));
   if (count == rows.cols()) {
     basis.directions = Eigen::MatrixXf::Identity(count, count);
     return basis;

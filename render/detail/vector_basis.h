@@ -23,8 +23,7 @@ struct VectorBasis {
 };
 
 /// The directions in which the training vectors differ most, about: as many as `options` has means and
-/// components, at least 256, at most as there are numbers or training vectors. All the space there is when
-/// that isn't more.
+/// components, from 256 to 1024, and at most as there are numbers or training vectors.
 VectorBasis find_basis(const VectorSource& vectors, const LocalPcaOptions& options, Progress* progress);
 
 /// Vectors by the directions of a basis, from its mean.

@@ -323,6 +323,7 @@ TEST(LocalPca, StoresABumpySurfaceByViewAndLight) {
   }
   const FacetLevels levels(DisplacementMap(16, 16, heights, MapBorder::periodic));
   const DirectionGrid grid;
+  const FacetMaterial rough{.albedo = 0.4, .roughness = 0.5};
   Rows rows(256, 49 * 49);
   for (int texel = 0; texel < 256; ++texel) {
     const FacetDistribution facets = levels.texel(0, texel % 16, texel / 16).unpacked();
@@ -330,15 +331,17 @@ TEST(LocalPca, StoresABumpySurfaceByViewAndLight) {
       for (std::size_t light = 0; light < 49; ++light) {
         const Vec3 toward_light = grid.direction(light);
         rows(texel, static_cast<Eigen::Index>(view * 49 + light)) = static_cast<float>(
-            filtered_reflectance(facets, grid.direction(view), toward_light) * toward_light.z());
+            filtered_reflectance(facets, grid.direction(view), toward_light, rough) * toward_light.z());
       }
     }
   }
   const LocalPca pca = make_local_pca(source_of(rows), {.clusters = 8, .components = 4});
   const LocalPcaError error = measure_error(pca, source_of(rows));
-  // Gloss is the most of it: single views and lights are up to twenty times as bright as the mean.
-  EXPECT_LT(error.rms, 0.01);
-  EXPECT_LT(error.worst_rms, 0.03);
+  // 0.14 and 0.33 % of the range; starts are drawn, and processors round differently.
+  EXPECT_LT(error.rms, 0.002);
+  EXPECT_LT(error.worst_rms, 0.005);
+  const LocalPca one = make_local_pca(source_of(rows), {.clusters = 1, .components = 4});
+  EXPECT_LT(2 * error.rms, measure_error(one, source_of(rows)).rms) << "of one cluster";
   EXPECT_LT(bytes(pca), static_cast<std::size_t>(rows.size()) * 2 / 6) << "a sixth of the halves";
 }
 
