@@ -63,7 +63,7 @@ Eigen::MatrixXf leading_directions(const VectorRows& rows, Eigen::Index count, c
   Eigen::MatrixXf directions(rows.cols(), count + k_spare);
   for (float& number : directions.reshaped()) number = random() & 1 ? 1.0F : -1.0F;
   directions = directions / std::sqrt(static_cast<float>(rows.cols()));
-  directions.leftCols(start.cols()) += start;
+  if (start.cols() > 0) directions.leftCols(start.cols()) += start;
   directions = orthonormal(std::move(directions));
   double last = 0;
   for (int step = 0;; ++step) {
