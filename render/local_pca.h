@@ -28,8 +28,8 @@ VectorSource vectors_in(std::span<const float> values, std::size_t dimension);
 struct LocalPcaOptions {
   int clusters = 64;   ///< at most; 1 to 65 536. Up to 256 take one byte of each vector, more take two
   int components = 8;  ///< at most, of each cluster; 0 to 64
-  /// Of these, evenly taken from all, the space is found in which all vectors are sorted into clusters; 1 or
-  /// more. Twice `clusters` x (`components` + 1) are enough.
+  /// Vectors, evenly taken from all, that give the space in which all are sorted into clusters; 1 or more.
+  /// Twice `clusters` x (`components` + 1) are enough.
   int training_vectors = 4096;
   double least_change = 0.001;  ///< of the summed squares of errors by a round, below which no more follow
   int rounds = 30;              ///< at most; 1 or more
