@@ -18,7 +18,8 @@ template <class Unsigned>
 Unsigned number_at(std::string_view bytes, std::size_t offset) {
   Unsigned number = 0;
   for (std::size_t i = 0; i < sizeof(Unsigned); ++i)
-    number |= static_cast<Unsigned>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i);
+    number = static_cast<Unsigned>(
+        number | static_cast<Unsigned>(static_cast<unsigned char>(bytes[offset + i])) << (8 * i));
   return number;
 }
 
