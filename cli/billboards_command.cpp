@@ -139,10 +139,13 @@ void add_billboards_command(CLI::App& app) {
       "writes the rectangles in colours, one mesh for each error, numbered where there are several");
   const auto group = "Billboards";
   command
-      ->add_option("--method", options->clouds.method,
-                   "clusters: little texture; planes: few planes (clusters)")
-      ->transform(one_of<BillboardMethod>(
-          {{"clusters", BillboardMethod::face_clustering}, {"planes", BillboardMethod::plane_cover}}))
+      ->add_option(
+          "--method", options->clouds.method,
+          "clusters: little texture; planes: few planes; simplification: one for each triangle of the "
+          "simplified model (clusters)")
+      ->transform(one_of<BillboardMethod>({{"clusters", BillboardMethod::face_clustering},
+                                           {"planes", BillboardMethod::plane_cover},
+                                           {"simplification", BillboardMethod::simplification}}))
       ->group(group);
   auto* absolute = command
                        ->add_option("--errors", options->clouds.errors,
@@ -155,7 +158,7 @@ void add_billboards_command(CLI::App& app) {
       ->excludes(absolute);
   command
       ->add_option("--normal-deviation", options->largest_deviation,
-                   "largest angle between a face and its rectangle, degrees, of clusters (60)")
+                   "largest angle between a face and its rectangle, degrees, not of planes (60)")
       ->check(CLI::Range(0.0, 180.0))
       ->group(group);
   command

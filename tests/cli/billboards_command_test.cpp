@@ -36,6 +36,14 @@ TEST(BillboardsCommand, CoversByPlanesInOneFile) {
   EXPECT_EQ(read_soup(out).n_faces(), result["clouds"][0]["billboards"].get<std::size_t>());
 }
 
+TEST(BillboardsCommand, SimplifiesWhereItIsAskedTo) {
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", "tree", "--method", "simplification", "--normal-deviation", "40",
+                          "--relative-errors", "0.05", "--json"}));
+  EXPECT_LE(result["clouds"][0]["largest_deviation"].get<double>(), 40.001);
+  EXPECT_LE(result["clouds"][0]["largest_error"], result["clouds"][0]["error"]);
+}
+
 TEST(BillboardsCommand, TakesTheBuiltInTree) {
   const nlohmann::json result =
       json_of(run_recede({"billboards", "tree", "--two-sided", "--relative-errors", "0.03", "--json"}));
