@@ -1,6 +1,7 @@
 #include "common.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/point_cloud.h>
 #include <recede/lod/billboard_cloud.h>
 
 #include <fmt/format.h>
@@ -71,12 +72,26 @@ std::string numbered(const std::string& output, std::size_t number, std::size_t 
   return path.string();
 }
 
+// Discs for the points of a file without faces. Where normals had to be estimated, both sides count.
+PolygonSoup read_points(BillboardsOptions& options, std::size_t& n_points, Progress* progress) {
+  const PointCloud points = read_point_cloud(options.input, progress);
+  n_points = points.positions.size();
+  Splats splats = splats_of(points);
+  if (splats.are_normals_estimated) options.clouds.is_two_sided = true;
+  print_remark(
+      fmt::format("{}: no faces; {} points become discs{}", options.input, n_points,
+                  splats.are_normals_estimated ? ", with estimated normals, seen from both sides" : ""),
+      options.common);
+  return std::move(splats.soup);
+}
+
 void run(BillboardsOptions options) {
   const auto start = std::chrono::steady_clock::now();
   if (!options.output.empty()) check_mesh_path(options.output);
   TerminalProgress progress(options.common.quiet);
   PolygonSoup model = read_unrepaired(options.input, &progress);
-  if (model.n_faces() == 0) throw InputError::in_file(options.input, "holds no faces");
+  std::size_t n_points = 0;
+  if (model.n_faces() == 0) model = read_points(options, n_points, &progress);
   merge_identical_vertices(model);
   Box3 box;
   for (const Vec3& point : model.positions) box.extend(point);
@@ -121,6 +136,7 @@ void run(BillboardsOptions options) {
   print_json({{"command", "billboards"},
               {"input", options.input},
               {"outputs", files},
+              {"points", n_points},
               {"left_out", clouds.front().left_out},
               {"clouds", list},
               {"seconds", seconds}});
@@ -133,16 +149,22 @@ void add_billboards_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "billboards", "Finds a few rectangles that stand for a model from far away, at each of some errors.");
   command->footer("Example:\n  recede billboards tree.obj -o cloud.ply --relative-errors 0.01 --two-sided");
-  command->add_option("input", options->input, k_input_help)->required();
+  command
+      ->add_option("input", options->input,
+                   std::string(k_input_help) + "; a file without faces is taken as points")
+      ->required();
   command->add_option(
       "-o,--output", options->output,
       "writes the rectangles in colours, one mesh for each error, numbered where there are several");
   const auto group = "Billboards";
   command
-      ->add_option("--method", options->clouds.method,
-                   "clusters: little texture; planes: few planes (clusters)")
-      ->transform(one_of<BillboardMethod>(
-          {{"clusters", BillboardMethod::face_clustering}, {"planes", BillboardMethod::plane_cover}}))
+      ->add_option(
+          "--method", options->clouds.method,
+          "clusters: little texture; planes: few planes; simplification: one for each triangle of the "
+          "simplified model (clusters)")
+      ->transform(one_of<BillboardMethod>({{"clusters", BillboardMethod::face_clustering},
+                                           {"planes", BillboardMethod::plane_cover},
+                                           {"simplification", BillboardMethod::simplification}}))
       ->group(group);
   auto* absolute = command
                        ->add_option("--errors", options->clouds.errors,
@@ -155,7 +177,7 @@ void add_billboards_command(CLI::App& app) {
       ->excludes(absolute);
   command
       ->add_option("--normal-deviation", options->largest_deviation,
-                   "largest angle between a face and its rectangle, degrees, of clusters (60)")
+                   "largest angle between a face and its rectangle, degrees, not of planes (60)")
       ->check(CLI::Range(0.0, 180.0))
       ->group(group);
   command

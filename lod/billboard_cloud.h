@@ -37,6 +37,7 @@ struct BillboardCloud {
 enum class BillboardMethod {
   face_clustering,  ///< little texture, and normals near to those of the faces
   plane_cover,  ///< few planes, at any angle to the faces; those of a plane are parted where they lie apart
+  simplification,  ///< one for each triangle of the simplified model: many; little texture on loose leaves
 };
 
 struct BillboardOptions {
@@ -44,7 +45,7 @@ struct BillboardOptions {
   /// Of the clouds, finest first, in units of the model. None: 0.5, 1, 2 and 4 % of the longest side of its
   /// box.
   std::vector<double> errors;
-  /// Between faces and their billboard, so that it is seen where they are. Of clusters.
+  /// Between faces and their billboard, so that it is seen where they are. Of clusters and simplification.
   double largest_deviation = std::numbers::pi / 3;
   /// Area of a billboard over that of its faces, for those of more than one. Of clusters.
   double largest_waste = 3;
@@ -56,8 +57,11 @@ struct BillboardOptions {
 
 /// One cloud for each error. Face clustering: all of them from one run, the least waste first, up to each
 /// error in turn (section 7.3 of the dissertation, with the waste of a billboard as it must be meant: its
-/// area over that of its faces); billboards of a cloud stand for unions of those of the one before. Throws
-/// `OptionError` for numbers out of range, `InputError` where no face has an area, `Cancelled`.
+/// area over that of its faces); billboards of a cloud stand for unions of those of the one before.
+/// Simplification: down to each error, proved, and then each face goes to the nearest triangle that it is
+/// near to and that faces as it does, if need be one farther away; faces for which there is none are
+/// clustered. Throws `OptionError` for numbers out of range, `InputError` where no face has an area,
+/// `Cancelled`.
 std::vector<BillboardCloud> build_billboard_clouds(const PolygonSoup& model,
                                                    const BillboardOptions& options = {},
                                                    Progress* progress = nullptr);

@@ -61,6 +61,7 @@ Billboard billboard_facing(const BillboardFaces& faces, std::span<const Index> m
     least_cosine = std::min(least_cosine, is_two_sided ? std::abs(cosine) : cosine);
     result.faces.push_back(faces.numbers[face]);
   }
+  std::sort(result.faces.begin(), result.faces.end());
   const BoundingRectangle rectangle = smallest_rectangle(points);
   const Vec2 along = rectangle.axis, across(-along.y(), along.x());
   const Vec2 middle = rectangle.corner + (rectangle.sides.x() * along + rectangle.sides.y() * across) / 2;

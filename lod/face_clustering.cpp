@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace recede::detail {
 
@@ -18,6 +19,7 @@ class Extents {
   explicit Extents(const Eigen::Matrix3d& axes) : to_axes_(axes.transpose()) {}
 
   void extend(const Vec3& point) { box_.extend(Vec3(to_axes_ * point)); }
+  Vec3 axis(int number) const { return to_axes_.row(number).transpose(); }
   const Box3& box() const { return box_; }
   // The axis along which it is narrowest.
   int narrowest() const {
@@ -36,11 +38,6 @@ class Extents {
   Box3 box_;
 };
 
-// Turned to the front of most faces.
-Vec3 turned(const Vec3& normal, const SurfaceMoments& moments) {
-  return moments.normal.dot(normal) < 0 ? Vec3(-normal) : normal;
-}
-
 // 13 directions, to faces, edges and corners of a cube: what is farthest along each of them, both ways.
 const std::array<Vec3, 13>& directions() {
   static const std::array<Vec3, 13> k_directions = [] {
@@ -58,122 +55,253 @@ const std::array<Vec3, 13>& directions() {
   return k_directions;
 }
 
+// Shares of a limit are kept free for rounding.
+constexpr double k_rounding = 1e-12;
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+// The faces of a cluster and their points, one after the other in memory. A lone face needs none.
+struct Members {
+  std::vector<Index> faces, numbers;  // of points
+  std::vector<Vec3> points;
+  Box3 normals;
+  std::size_t n_points_once = 0;  // when repeated points went
+
+  bool is_empty() const { return faces.empty(); }
+
+  void add(Index face, const BillboardFaces& model) {
+    faces.push_back(face);
+    normals.extend(model.normals[face]);
+    for (const Index corner : model.corners_of(face)) {
+      numbers.push_back(corner);
+      points.push_back(model.points[corner]);
+    }
+  }
+
+  // Takes over those of another cluster. What has the most of them stays where it is.
+  void take(Members& other, const BillboardFaces& model) {
+    if (other.points.size() > points.size()) std::swap(*this, other);
+    faces.insert(faces.end(), other.faces.begin(), other.faces.end());
+    numbers.insert(numbers.end(), other.numbers.begin(), other.numbers.end());
+    points.insert(points.end(), other.points.begin(), other.points.end());
+    normals.extend(other.normals);
+    other = {};
+    if (points.size() < 2 * n_points_once) return;
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    n_points_once = numbers.size();
+    points.resize(n_points_once);
+    for (std::size_t i = 0; i < n_points_once; ++i) points[i] = model.points[numbers[i]];
+  }
+};
+
+// Faces near to each other get numbers near to each other: what is near is then near in memory too.
+BillboardFaces in_order_of_space(const BillboardFaces& faces) {
+  std::vector<std::pair<std::uint64_t, Index>> order;
+  for (Index face = 0; face < faces.count(); ++face) {
+    constexpr double k_cells = 1 << 16;  // along each axis, of a space from -1/2 to 1/2
+    const Vec3 middle = faces.moments[face].first / faces.moments[face].area;
+    std::uint64_t code = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto cell =
+          static_cast<std::uint64_t>(std::clamp((middle[axis] + 0.5) * k_cells, 0.0, k_cells - 1));
+      for (int bit = 0; bit < 16; ++bit) code |= (cell >> bit & 1) << (3 * bit + axis);
+    }
+    order.emplace_back(code, face);
+  }
+  std::sort(order.begin(), order.end());
+  BillboardFaces result;
+  result.left_out = faces.left_out;
+  result.center = faces.center;
+  result.size = faces.size;
+  std::vector<Index> places(faces.points.size(), k_no_index);
+  for (const auto& [code, face] : order) {
+    for (const Index corner : faces.corners_of(face)) {
+      if (places[corner] == k_no_index) {
+        places[corner] = static_cast<Index>(result.points.size());
+        result.points.push_back(faces.points[corner]);
+      }
+      result.corners.push_back(places[corner]);
+    }
+    result.offsets.push_back(static_cast<Index>(result.corners.size()));
+    result.numbers.push_back(faces.numbers[face]);
+    result.normals.push_back(faces.normals[face]);
+    result.moments.push_back(faces.moments[face]);
+  }
+  return result;
+}
+
 class FaceMerger {
  public:
+  static constexpr bool k_costs_are_of_pairs_alone = true;
+
   FaceMerger(const BillboardFaces& faces, const BillboardOptions& options, const std::vector<double>& errors)
-      : faces_(faces), options_(options), errors_(errors), clusters_(faces.count()), next_(faces.count()) {
-    for (Index face = 0; face < faces.count(); ++face) {
-      Cluster& cluster = clusters_[face];
-      cluster.moments = faces.moments[face];
-      cluster.last = face;
-      next_[face] = k_no_index;
-      const std::span<const Index> corners = faces.corners_of(face);
-      cluster.points.assign(corners.begin(), corners.end());
-      cluster.normals.assign(1, face);
-      thin(cluster.points, faces_.points);
+      : faces_(faces),
+        options_(options),
+        errors_(errors),
+        least_cosine_(std::cos(options.largest_deviation)),
+        clusters_(faces_.count()) {
+    for (Index face = 0; face < faces_.count(); ++face) {
+      clusters_[face].moments = faces_.moments[face];
+      clusters_[face].measure();
     }
   }
 
   // From the farthest points and the most tilted normals of some directions: at most the cost.
   double cost(Index a, Index b) const {
-    const Cluster &first = clusters_[a], &second = clusters_[b];
-    SurfaceMoments moments = first.moments;
-    moments += second.moments;
-    const Eigen::Matrix3d axes = moments.axes();
-    Extents extents(axes);
-    for (const Cluster* cluster : {&first, &second}) {
-      for (const Index point : cluster->points) extents.extend(faces_.points[point]);
-    }
-    const Vec3 normal = turned(axes.col(extents.narrowest()), moments);
+    const Extents extents = extents_of_kept(a, b);
+    const double cost = cost_of(extents, a, b);
+    if (cost == k_infinity) return cost;
+    const Vec3 normal = normal_of(extents, a, b);
     double least = 1;
-    for (const Cluster* cluster : {&first, &second}) {
-      for (const Index face : cluster->normals) least = std::min(least, cosine(face, normal));
+    for (const Index cluster : {a, b}) {
+      each_normal(cluster, [&](const Vec3& other) { least = std::min(least, cosine(other, normal)); });
     }
-    return cost_of(extents, least, moments.area);
+    return least < least_cosine_ ? k_infinity : cost;
+  }
+
+  void costs(std::span<const std::pair<Index, Index>> pairs, std::span<double> costs) const {
+    const auto compute = [&](std::size_t i) { costs[i] = cost(pairs[i].first, pairs[i].second); };
+    // Below it threads cost more than they bring.
+    constexpr std::size_t k_many = 1000;
+    if (pairs.size() < k_many) {
+      for (std::size_t i = 0; i < pairs.size(); ++i) compute(i);
+    } else {
+      tbb::parallel_for(std::size_t{0}, pairs.size(), compute);
+    }
   }
 
   // From all of them.
   double final_cost(Index a, Index b) const {
-    SurfaceMoments moments = clusters_[a].moments;
-    moments += clusters_[b].moments;
-    const Eigen::Matrix3d axes = moments.axes();
-    Extents extents(axes);
+    Extents extents = extents_of_kept(a, b);
     for (const Index cluster : {a, b}) {
-      each_face(cluster, [&](Index face) {
-        for (const Index corner : faces_.corners_of(face)) extents.extend(faces_.points[corner]);
-      });
+      for (const Vec3& point : clusters_[cluster].members.points) extents.extend(point);
     }
-    const Vec3 normal = turned(axes.col(extents.narrowest()), moments);
-    double least = 1;
-    for (const Index cluster : {a, b})
-      each_face(cluster, [&](Index face) { least = std::min(least, cosine(face, normal)); });
-    return cost_of(extents, least, moments.area);
+    const double cost = cost_of(extents, a, b);
+    if (cost == k_infinity) return cost;
+    const Vec3 normal = normal_of(extents, a, b);
+    return are_within(a, normal) && are_within(b, normal) ? cost : k_infinity;
+  }
+
+  // Between the middle of one and the other, taken as a ball.
+  double distance(Index cluster, Index other) const {
+    const Cluster& far = clusters_[other];
+    return (clusters_[cluster].middle - far.middle).norm() - far.radius;
   }
 
   void merge(Index kept, Index absorbed) {
     Cluster &to = clusters_[kept], &from = clusters_[absorbed];
+    std::vector<Vec3> points, normals;
+    for (const Index cluster : {kept, absorbed}) {
+      each_point(cluster, [&](const Vec3& point) { points.push_back(point); });
+      each_normal(cluster, [&](const Vec3& normal) { normals.push_back(normal); });
+    }
+    thin(points);
+    thin(normals);
+    to.points = std::move(points);
+    to.normals = std::move(normals);
+    if (to.members.is_empty()) to.members.add(kept, faces_);
+    if (from.members.is_empty()) from.members.add(absorbed, faces_);
+    to.members.take(from.members, faces_);
     to.moments += from.moments;
-    next_[to.last] = absorbed;
-    to.last = from.last;
-    to.points.insert(to.points.end(), from.points.begin(), from.points.end());
-    to.normals.insert(to.normals.end(), from.normals.begin(), from.normals.end());
-    thin(to.points, faces_.points);
-    thin(to.normals, faces_.normals);
+    to.measure();
     from = {};
   }
 
  private:
   struct Cluster {
     SurfaceMoments moments;
-    std::vector<Index> points, normals;  // all, or those that are farthest along some directions
-    Index last = k_no_index;             // of its faces, which are a list from its own number on
+    Vec3 middle = Vec3::Zero();
+    double radius = 0;
+    std::vector<Vec3> points, normals;  // those that are farthest along some directions; none: a face's
+    Members members;
+
+    void measure() {
+      middle = moments.first / moments.area;
+      radius = std::sqrt(std::max(0.0, moments.second.trace() / moments.area - middle.squaredNorm()));
+    }
   };
 
-  double cosine(Index face, const Vec3& normal) const {
-    const double cosine = faces_.normals[face].dot(normal);
+  template <typename Visit>
+  void each_point(Index cluster, Visit&& visit) const {
+    for (const Vec3& point : clusters_[cluster].points) visit(point);
+    if (!clusters_[cluster].points.empty()) return;
+    for (const Index corner : faces_.corners_of(cluster)) visit(faces_.points[corner]);
+  }
+  template <typename Visit>
+  void each_normal(Index cluster, Visit&& visit) const {
+    for (const Vec3& normal : clusters_[cluster].normals) visit(normal);
+    if (clusters_[cluster].normals.empty()) visit(faces_.normals[cluster]);
+  }
+
+  Extents extents_of_kept(Index a, Index b) const {
+    SurfaceMoments moments = clusters_[a].moments;
+    moments += clusters_[b].moments;
+    Extents extents(moments.axes());
+    for (const Index cluster : {a, b}) each_point(cluster, [&](const Vec3& point) { extents.extend(point); });
+    return extents;
+  }
+
+  // Turned to the front of most faces.
+  Vec3 normal_of(const Extents& extents, Index a, Index b) const {
+    const Vec3 normal = extents.axis(extents.narrowest());
+    return (clusters_[a].moments.normal + clusters_[b].moments.normal).dot(normal) < 0 ? Vec3(-normal)
+                                                                                       : normal;
+  }
+
+  double cosine(const Vec3& of_face, const Vec3& normal) const {
+    const double cosine = of_face.dot(normal);
     return options_.is_two_sided ? std::abs(cosine) : cosine;
   }
 
-  // Of an error's level, and within it the waste.
-  double cost_of(const Extents& extents, double least_cosine, double area) const {
-    constexpr double k_infinity = std::numeric_limits<double>::infinity();
-    const double waste = extents.rectangle() / area;
+  // Whether a normal is near enough to that of each face.
+  bool are_within(Index cluster, const Vec3& normal) const {
+    const Members& members = clusters_[cluster].members;
+    if (members.is_empty()) return cosine(faces_.normals[cluster], normal) >= least_cosine_;
+    const double reach = members.normals.sizes().dot(normal.cwiseAbs()) / 2;
+    if (cosine(members.normals.center(), normal) - reach >= least_cosine_ + k_rounding) return true;
+    return std::all_of(members.faces.begin(), members.faces.end(),
+                       [&](Index face) { return cosine(faces_.normals[face], normal) >= least_cosine_; });
+  }
+
+  // Of an error's level, and within it the waste; nothing is said of normals.
+  double cost_of(const Extents& extents, Index a, Index b) const {
+    const double waste = extents.rectangle() / (clusters_[a].moments.area + clusters_[b].moments.area);
     const auto level = std::lower_bound(errors_.begin(), errors_.end(), extents.error());
-    if (level == errors_.end() || waste > options_.largest_waste ||
-        least_cosine < std::cos(options_.largest_deviation))
-      return k_infinity;
+    if (level == errors_.end() || waste > options_.largest_waste) return k_infinity;
     return waste + static_cast<double>(level - errors_.begin()) * options_.largest_waste;
   }
 
-  template <typename Visit>
-  void each_face(Index cluster, Visit&& visit) const {
-    for (Index face = cluster; face != k_no_index; face = next_[face]) visit(face);
-  }
-
   // Keeps what is farthest along directions, where there are more.
-  static void thin(std::vector<Index>& items, const std::vector<Vec3>& places) {
-    std::sort(items.begin(), items.end());
+  static void thin(std::vector<Vec3>& items) {
+    const auto less = [](const Vec3& a, const Vec3& b) {
+      return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+    };
+    std::sort(items.begin(), items.end(), less);
     items.erase(std::unique(items.begin(), items.end()), items.end());
     if (items.size() <= 2 * directions().size()) return;
-    std::vector<Index> kept;
+    std::vector<unsigned char> is_kept(items.size(), 0);
     for (const Vec3& direction : directions()) {
-      const auto along = [&](Index a, Index b) {
-        return places[a].dot(direction) < places[b].dot(direction);
-      };
-      const auto [least, most] = std::minmax_element(items.begin(), items.end(), along);
-      kept.push_back(*least);
-      kept.push_back(*most);
+      std::size_t least = 0, most = 0;
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (std::size_t i = 0; i < items.size(); ++i) {
+        const double at = items[i].dot(direction);
+        if (at < low) low = at, least = i;
+        if (at > high) high = at, most = i;
+      }
+      is_kept[least] = is_kept[most] = 1;
     }
-    std::sort(kept.begin(), kept.end());
-    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-    items = std::move(kept);
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      if (is_kept[i]) items[n++] = items[i];
+    }
+    items.resize(n);
   }
 
   const BillboardFaces& faces_;
   const BillboardOptions& options_;
   const std::vector<double>& errors_;  // in units of the model's size
+  double least_cosine_;
   std::vector<Cluster> clusters_;
-  std::vector<Index> next_;  // face of the same cluster
 };
 
 // As the tree wants them.
@@ -199,17 +327,33 @@ std::vector<std::pair<Index, Index>> neighbours_of(const BillboardFaces& faces, 
   std::vector<Index> found(faces.count() * n_found);
   tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
     std::vector<double> squares(n_found);
-    tree.knnSearch(middles.points[i].data(), n_found, found.data() + i * n_found, squares.data());
+    Index* const row = found.data() + i * n_found;
+    tree.knnSearch(middles.points[i].data(), n_found, row, squares.data());
+    std::sort(row, row + n_found);
   });
-  std::vector<std::pair<Index, Index>> pairs;
-  for (std::size_t i = 0; i < faces.count(); ++i) {
+  const auto finds = [&](Index face, Index other) {
+    const Index* const row = found.data() + face * n_found;
+    return std::binary_search(row, row + n_found, other);
+  };
+  // A pair is the lower one's, or the other's where only that finds it.
+  const auto each_pair_of = [&](Index face, auto&& visit) {
     for (std::size_t k = 0; k < n_found; ++k) {
-      const Index other = found[i * n_found + k];
-      if (other != i) pairs.emplace_back(std::minmax(static_cast<Index>(i), other));
+      const Index other = found[face * n_found + k];
+      if (other > face || (other < face && !finds(other, face))) visit(other);
     }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  };
+  std::vector<std::size_t> starts(faces.count() + 1, 0);
+  tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
+    each_pair_of(static_cast<Index>(i), [&](Index) { ++starts[i + 1]; });
+  });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  std::vector<std::pair<Index, Index>> pairs(starts.back());
+  tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
+    std::size_t place = starts[i];
+    each_pair_of(static_cast<Index>(i), [&](Index other) {
+      pairs[place++] = {static_cast<Index>(i), other};
+    });
+  });
   return pairs;
 }
 
@@ -227,17 +371,18 @@ Billboard billboard_of(const BillboardFaces& faces, const std::vector<Index>& me
 
 Agglomeration merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
                           std::vector<double> errors, Progress* progress) {
-  for (double& error : errors) error /= faces.size;
+  for (double& error : errors) error *= (1 - k_rounding) / faces.size;
   FaceMerger merger(faces, options, errors);
   const std::vector<std::pair<Index, Index>> neighbours = neighbours_of(faces, options.n_neighbours);
-  return agglomerate(faces.count(), neighbours, merger, {}, progress);
+  return agglomerate(faces.count(), neighbours, merger, {.most_neighbours = options.n_neighbours}, progress);
 }
 
 }  // namespace
 
-std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& faces,
+std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
                                                   const BillboardOptions& options,
                                                   std::span<const double> errors, Progress* progress) {
+  const BillboardFaces faces = in_order_of_space(model);
   const Agglomeration tree = merge_faces(faces, options, {errors.begin(), errors.end()}, progress);
   std::vector<std::vector<Billboard>> result;
   for (std::size_t level = 0; level < errors.size(); ++level) {

@@ -109,6 +109,8 @@ inline constexpr std::string_view k_rounded_positions =
 
 PolygonSoup read_obj(const InputFile& file);
 PolygonSoup read_ply(const InputFile& file);
+/// The same, and the normals of vertices, of which a soup has only those at corners. Empty: none.
+PolygonSoup read_ply(const InputFile& file, std::vector<Vec3>& vertex_normals);
 PolygonSoup read_stl(const InputFile& file);
 PolygonSoup read_off(const InputFile& file);
 PolygonSoup read_gltf(const InputFile& file);

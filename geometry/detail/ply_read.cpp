@@ -146,7 +146,7 @@ class PlyBody {
  public:
   PlyBody(const InputFile& file, PlyHeader& header) : file_(file), header_(header), source_(file, header) {}
 
-  PolygonSoup read() {
+  PolygonSoup read(std::vector<Vec3>& vertex_normals) {
     soup_.materials = std::move(header_.materials);
     for (const PlyElement& element : header_.elements) {
       check_count(element);
@@ -162,7 +162,9 @@ class PlyBody {
         }
       }
     }
-    return finish();
+    PolygonSoup soup = finish();
+    vertex_normals = std::move(vertex_normals_);
+    return soup;
   }
 
  private:
@@ -416,6 +418,11 @@ bool has_own_meaning(std::string_view vertex_property) {
 }
 
 PolygonSoup read_ply(const InputFile& file) {
+  std::vector<Vec3> vertex_normals;
+  return read_ply(file, vertex_normals);
+}
+
+PolygonSoup read_ply(const InputFile& file, std::vector<Vec3>& vertex_normals) {
   PlyHeader header = read_ply_header(file);
   if (header.find("tristrips") != nullptr) {
     file.fail("triangle strips (element 'tristrips') aren't supported; write the file with faces");
@@ -423,11 +430,11 @@ PolygonSoup read_ply(const InputFile& file) {
   if (header.find("vertex") == nullptr) file.fail("the header names no element 'vertex'");
   switch (header.encoding) {
     case PlyHeader::Encoding::ascii:
-      return PlyBody<AsciiSource>(file, header).read();
+      return PlyBody<AsciiSource>(file, header).read(vertex_normals);
     case PlyHeader::Encoding::little_endian:
-      return PlyBody<BinarySource<false>>(file, header).read();
+      return PlyBody<BinarySource<false>>(file, header).read(vertex_normals);
     case PlyHeader::Encoding::big_endian:
-      return PlyBody<BinarySource<true>>(file, header).read();
+      return PlyBody<BinarySource<true>>(file, header).read(vertex_normals);
   }
   return {};
 }

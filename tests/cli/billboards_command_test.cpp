@@ -2,6 +2,7 @@
 #include "temp_folder.h"
 #include <recede/geometry/mesh_io.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace recede::test {
@@ -34,6 +35,32 @@ TEST(BillboardsCommand, CoversByPlanesInOneFile) {
       {"billboards", sphere, "-o", out, "--method", "planes", "--relative-errors", "0.05", "--json"}));
   EXPECT_EQ(result["outputs"], nlohmann::json::array({out}));
   EXPECT_EQ(read_soup(out).n_faces(), result["clouds"][0]["billboards"].get<std::size_t>());
+}
+
+TEST(BillboardsCommand, SimplifiesWhereItIsAskedTo) {
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", "tree", "--method", "simplification", "--normal-deviation", "40",
+                          "--relative-errors", "0.05", "--json"}));
+  EXPECT_LE(result["clouds"][0]["largest_deviation"].get<double>(), 40.001);
+  EXPECT_LE(result["clouds"][0]["largest_error"], result["clouds"][0]["error"]);
+}
+
+TEST(BillboardsCommand, TakesAFileWithoutFacesAsPoints) {
+  const TempFolder folder;
+  std::string text;
+  for (int x = 0; x < 12; ++x) {
+    for (int y = 0; y < 12; ++y) text += fmt::format("v {} {} 0\n", x, y);
+  }
+  folder.write("scan.obj", text);
+  const CommandResult run =
+      run_recede({"billboards", folder / "scan.obj", "--relative-errors", "0.01", "--json"});
+  EXPECT_THAT(run.remarks, HasSubstr("144 points"));
+  EXPECT_THAT(run.remarks, HasSubstr("both sides"));
+  const nlohmann::json result = json_of(run);
+  EXPECT_EQ(result["points"], 144);
+  EXPECT_EQ(result["clouds"][0]["billboards"], 1) << "they are in one plane";
+  folder.write("one.obj", "v 1 2 3\n");
+  EXPECT_THAT(complaint_of(run_recede({"billboards", folder / "one.obj"}), 1), HasSubstr("two places"));
 }
 
 TEST(BillboardsCommand, TakesTheBuiltInTree) {

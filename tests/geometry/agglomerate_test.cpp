@@ -160,6 +160,53 @@ TEST(Agglomerate, GivesWhatLookingAtEveryPairGives) {
   }
 }
 
+/// The same, as a policy that says more of itself.
+struct DiscsAtOnce : Discs {
+  static constexpr bool k_costs_are_of_pairs_alone = true;
+
+  void costs(std::span<const std::pair<Index, Index>> pairs, std::span<double> results) const {
+    for (std::size_t i = 0; i < pairs.size(); ++i) results[i] = cost(pairs[i].first, pairs[i].second);
+  }
+  double distance(Index a, Index b) const { return (middle[a] - middle[b]).norm(); }
+};
+
+DiscsAtOnce random_discs(std::size_t n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  DiscsAtOnce discs;
+  for (std::size_t i = 0; i < n; ++i) {
+    discs.middle.emplace_back(unit(random), unit(random));
+    discs.weight.push_back(1);
+  }
+  return discs;
+}
+
+Neighbours all_pairs(Index n) {
+  Neighbours neighbours;
+  for (Index a = 0; a < n; ++a) {
+    for (Index b = a + 1; b < n; ++b) neighbours.emplace_back(a, b);
+  }
+  return neighbours;
+}
+
+TEST(Agglomerate, GivesTheSameForCostsOfManyPairsAtOnceAndForCostsThatLast) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    DiscsAtOnce at_once = random_discs(60, seed);
+    Discs one_by_one = at_once;
+    const Neighbours neighbours = all_pairs(60);
+    EXPECT_EQ(pairs(agglomerate(60, neighbours, at_once)), pairs(agglomerate(60, neighbours, one_by_one)));
+  }
+}
+
+TEST(Agglomerate, KeepsTheNearestNeighboursWhateverTheirOrder) {
+  DiscsAtOnce a = random_discs(60, 3), b = a, c = a;
+  Neighbours neighbours = all_pairs(60);
+  const auto few = pairs(agglomerate(60, neighbours, a, {.most_neighbours = 3}));
+  EXPECT_NE(few, pairs(agglomerate(60, neighbours, b)));
+  std::shuffle(neighbours.begin(), neighbours.end(), std::mt19937(1));
+  EXPECT_EQ(few, pairs(agglomerate(60, neighbours, c, {.most_neighbours = 3})));
+}
+
 /// A pair's cost that rises when clusters elsewhere merge: the number of merges so far.
 struct Rising {
   std::vector<double> base;
