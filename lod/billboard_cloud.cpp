@@ -100,7 +100,7 @@ std::vector<BillboardCloud> build_billboard_clouds(const PolygonSoup& model, con
     for (const double share : k_default_errors) errors.push_back(share * faces.size);
   }
   std::vector<BillboardCloud> clouds;
-  const bool has_limit = options.method == BillboardMethod::face_clustering;
+  const bool has_limit = options.method != BillboardMethod::plane_cover;
   for (const double error : errors) {
     clouds.push_back({error,
                       {},
