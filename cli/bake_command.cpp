@@ -2,6 +2,7 @@
 #include "drawn_levels.h"
 #include <recede/geometry/error.h>
 #include <recede/lod/lod_hierarchy.h>
+#include <recede/render/far_level.h>
 #include <recede/render/report.h>
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ struct BakeOptions {
   double field_of_view = 45;  // degrees
   double feature_angle = 0;
   std::string up;
-  bool no_report = false, appearance = false;
+  bool no_report = false, appearance = false, no_billboards = false;
   std::vector<std::string> maps;  // names
   std::string map_format = "png";
   std::optional<double> map_seam_weight;
@@ -56,6 +57,29 @@ Json maps_to_json(const LodLevel& level, const MapFiles& files) {
           {"seconds", report.seconds}};
 }
 
+Json billboards_to_json(const LodLevel& level, const MapFiles& files) {
+  if (!level.billboards) return nullptr;
+  const BillboardTextures& textures = *level.billboards;
+  return {{"color", files.color.string()},   {"normal", files.normal.string()},
+          {"height", files.height.string()}, {"size", {textures.color.width, textures.color.height}},
+          {"texels", textures.n_texels()},   {"bytes", billboard_bytes(textures)}};
+}
+
+Json trial_to_json(const FarLevelTrial& trial) {
+  return {{"error", trial.error},
+          {"distance", trial.distance},
+          {"method", trial.method == BillboardMethod::plane_cover ? "planes" : "clusters"},
+          {"billboards", trial.billboards},
+          {"texels", trial.texels},
+          {"billboard_bytes", trial.billboard_bytes},
+          {"triangles", trial.triangles},
+          {"triangle_bytes", trial.triangle_bytes},
+          {"billboard_difference", trial.billboard_difference},
+          {"triangle_difference", trial.triangle_difference},
+          {"takes_billboards", trial.takes_billboards},
+          {"reason", trial.reason}};
+}
+
 Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, std::size_t i,
                    double diagonal) {
   const LodLevel& level = hierarchy.levels[i];
@@ -69,7 +93,8 @@ Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, s
           {"screen_coverage", level.screen_coverage},
           {"seconds", {{"simplify", level.simplify_seconds}, {"measure", level.measure_seconds}}},
           {"stop_reason", level.stop_reason},
-          {"maps", maps_to_json(level, files.map_files[i])}};
+          {"maps", maps_to_json(level, files.map_files[i])},
+          {"billboards", billboards_to_json(level, files.map_files[i])}};
 }
 
 /// What levels with heights have beside their maps.
@@ -112,8 +137,9 @@ void print_maps(const LodHierarchy& hierarchy) {
   }
 }
 
-void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files,
-                const std::optional<ReportFiles>& report, double diagonal, double seconds) {
+void print_text(const LodHierarchy& hierarchy, const std::vector<FarLevelTrial>& trials,
+                const HierarchyFiles& files, const std::optional<ReportFiles>& report, double diagonal,
+                double seconds) {
   fmt::print(
       "level      faces        max error      rms error    certified bound   from distance  why it "
       "stopped\n");
@@ -125,6 +151,7 @@ void print_text(const LodHierarchy& hierarchy, const HierarchyFiles& files,
                level.stop_reason);
   }
   print_maps(hierarchy);
+  for (const FarLevelTrial& trial : trials) fmt::print("from {:<9.4g} {}\n", trial.distance, trial.reason);
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
   if (report) fmt::print("report     {}\n", report->html.string());
   fmt::print("seconds    {:.3g}\n", seconds);
@@ -193,7 +220,12 @@ void run(BakeOptions options) {
       hierarchy_options.distances.empty()) {
     hierarchy_options.ratios = k_default_ratios;
   }
-  const LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
+  LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
+  std::vector<FarLevelTrial> trials;
+  if (!options.no_billboards) {
+    trials = compare_far_levels(hierarchy, {}, &progress);
+    append_far_levels(hierarchy, trials, &progress);
+  }
   const HierarchyFiles files = write_hierarchy(options.output, hierarchy);
   Appearances appearances(hierarchy.levels.size());
   if (options.appearance) appearances = write_appearances(hierarchy, files.folder, &progress);
@@ -209,12 +241,14 @@ void run(BakeOptions options) {
       hierarchy.levels.back().maps->color.samples.empty()) {
     print_remark(options.input + " has no colours to bake", options.common);
   }
-  if (!options.common.json) return print_text(hierarchy, files, report, diagonal, seconds);
+  if (!options.common.json) return print_text(hierarchy, trials, files, report, diagonal, seconds);
   Json levels = Json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     levels.push_back(level_to_json(hierarchy, files, i, diagonal));
     levels.back()["appearance"] = appearance_to_json(appearances[i].get(), appearance_file(files.folder, i));
   }
+  Json far_levels = Json::array();
+  for (const FarLevelTrial& trial : trials) far_levels.push_back(trial_to_json(trial));
   print_json({{"command", "bake"},
               {"input", options.input},
               {"hierarchy", files.glb.string()},
@@ -222,6 +256,7 @@ void run(BakeOptions options) {
               {"report", report ? Json(report->html.string()) : Json(nullptr)},
               {"diagonal", diagonal},
               {"levels", levels},
+              {"far_levels", far_levels},
               {"seconds", seconds},
               {"repairs", repairs_to_json(model.read.report)}});
 }
@@ -291,6 +326,8 @@ void add_bake_command(CLI::App& app) {
       ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
   add_seam_options(*command, options->seams, "CAD files");
+  command->add_flag("--no-billboards", options->no_billboards,
+                    "no billboards as last levels, even where they look better than triangles");
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
   add_common_options(*command, options->common);
   command->callback([options, command] {

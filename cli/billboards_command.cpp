@@ -1,8 +1,11 @@
 #include "common.h"
+#include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/point_cloud.h>
-#include <recede/lod/billboard_cloud.h>
+#include <recede/lod/billboard_budget.h>
+#include <recede/lod/billboard_level.h>
+#include <recede/lod/billboard_mipmaps.h>
 
 #include <fmt/format.h>
 
@@ -17,8 +20,13 @@ namespace {
 
 struct BillboardsOptions {
   CommonOptions common;
-  std::string input, output;
+  std::string input, output, folder;
   BillboardOptions clouds;
+  BillboardTextureOptions textures;
+  ViewSettings view;
+  double field_of_view = 45;  // degrees
+  std::optional<std::size_t> budget;
+  int mipmaps = 0;
   std::vector<double> relative_errors;
   double largest_deviation = 60;  // degrees
 };
@@ -85,61 +93,153 @@ PolygonSoup read_points(BillboardsOptions& options, std::size_t& n_points, Progr
   return std::move(splats.soup);
 }
 
-void run(BillboardsOptions options) {
-  const auto start = std::chrono::steady_clock::now();
-  if (!options.output.empty()) check_mesh_path(options.output);
-  TerminalProgress progress(options.common.quiet);
-  PolygonSoup model = read_unrepaired(options.input, &progress);
-  std::size_t n_points = 0;
-  if (model.n_faces() == 0) model = read_points(options, n_points, &progress);
+PolygonSoup read_input(BillboardsOptions& options, std::size_t& n_points, Progress* progress) {
+  PolygonSoup model = read_unrepaired(options.input, progress);
+  if (model.n_faces() == 0) model = read_points(options, n_points, progress);
   merge_identical_vertices(model);
-  Box3 box;
-  for (const Vec3& point : model.positions) box.extend(point);
   for (const double share : options.relative_errors)
-    options.clouds.errors.push_back(share * box.diagonal().norm());
+    options.clouds.errors.push_back(share * bounding_box(model).diagonal().norm());
   options.clouds.largest_deviation = options.largest_deviation * std::numbers::pi / 180;
-  const std::vector<BillboardCloud> clouds = build_billboard_clouds(model, options.clouds, &progress);
-  std::vector<std::string> files;
-  for (std::size_t i = 0; i < clouds.size() && !options.output.empty(); ++i) {
-    files.push_back(numbered(options.output, i, clouds.size()));
-    write_soup(files.back(), quads_of(clouds[i]));
-  }
-  progress.clear();
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (clouds.front().left_out > 0)
-    print_remark(fmt::format("{} faces without area are left out", clouds.front().left_out), options.common);
-  Json list = Json::array();
-  if (!options.common.json)
-    fmt::print("error        billboards     texels   area/faces   largest error   normals off by\n");
-  for (const BillboardCloud& cloud : clouds) {
-    const CloudFigures figures = figures_of(cloud);
-    const double degrees = figures.largest_deviation * 180 / std::numbers::pi;
-    if (!options.common.json) {
-      fmt::print("{:<12.5g} {:10} {:10.0f} {:12.2f} {:15.4g} {:11.1f} deg\n", cloud.error,
-                 cloud.billboards.size(), figures.texels, figures.area / figures.face_area,
-                 figures.largest_error, degrees);
-      continue;
+  options.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
+  return model;
+}
+
+void write_mipmaps(const LodHierarchy& hierarchy, const HierarchyFiles& files, int n) {
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
+    const std::vector<BillboardMipmap> mipmaps = billboard_mipmaps(*hierarchy.levels[i].billboards, n);
+    for (std::size_t k = 0; k < mipmaps.size(); ++k) {
+      const auto write = [&](const Raster& raster, const char* kind) {
+        write_file_atomically(files.folder / fmt::format("level_{}_{}_{}.png", i, kind, k + 1),
+                              encode_png(raster));
+      };
+      write(mipmaps[k].color, "color");
+      write(mipmaps[k].normal, "normal");
+      write(mipmaps[k].height, "height");
     }
-    list.push_back({{"error", cloud.error},
-                    {"billboards", cloud.billboards.size()},
+  }
+}
+
+// The clouds with textures, as levels.
+LodHierarchy textured(const PolygonSoup& model, const std::vector<BillboardCloud>& clouds,
+                      const BillboardsOptions& options, Progress* progress) {
+  std::vector<BillboardTextures> textures;
+  for (const BillboardCloud& cloud : clouds)
+    textures.push_back(texture_billboards(model, cloud, options.textures, progress));
+  return billboard_hierarchy(model, std::filesystem::path(options.input).stem().string(), std::move(textures),
+                             options.view, progress);
+}
+
+Json textures_to_json(const LodLevel& level, const MapFiles& files) {
+  const BillboardTextures& textures = *level.billboards;
+  return {{"color", files.color.string()},
+          {"normal", files.normal.string()},
+          {"height", files.height.string()},
+          {"size", {textures.color.width, textures.color.height}},
+          {"bytes", textures.bytes()},
+          {"covered", textures.covered},
+          {"packed", textures.packed},
+          {"error", {{"max", level.error.max}, {"rms", level.error.rms}, {"bound", level.error.bound}}},
+          {"switch_distance", level.switch_distance}};
+}
+
+// What was made, and where it is.
+struct Made {
+  PolygonSoup model;
+  std::size_t n_points = 0;  // of a file without faces
+  std::vector<BillboardCloud> clouds;
+  std::optional<LodHierarchy> hierarchy;
+  HierarchyFiles hierarchy_files;
+  std::vector<std::string> files;
+};
+
+Made make(BillboardsOptions& options, Progress* progress) {
+  Made made;
+  made.model = read_input(options, made.n_points, progress);
+  if (options.budget) {
+    BillboardTextures best =
+        billboards_within(made.model, *options.budget, options.clouds, options.textures, progress);
+    made.clouds.push_back({best.error, best.billboards, 0});
+    std::vector<BillboardTextures> textures;
+    textures.push_back(std::move(best));
+    made.hierarchy = billboard_hierarchy(made.model, std::filesystem::path(options.input).stem().string(),
+                                         std::move(textures), options.view, progress);
+  } else {
+    made.clouds = build_billboard_clouds(made.model, options.clouds, progress);
+    if (!options.folder.empty()) made.hierarchy = textured(made.model, made.clouds, options, progress);
+  }
+  for (std::size_t i = 0; i < made.clouds.size() && !options.output.empty(); ++i) {
+    made.files.push_back(numbered(options.output, i, made.clouds.size()));
+    write_soup(made.files.back(), quads_of(made.clouds[i]));
+  }
+  if (options.folder.empty()) return made;
+  made.hierarchy_files = write_hierarchy(options.folder, *made.hierarchy);
+  write_mipmaps(*made.hierarchy, made.hierarchy_files, options.mipmaps);
+  made.files.push_back(made.hierarchy_files.glb.string());
+  return made;
+}
+
+void print_text(const Made& made, double seconds) {
+  fmt::print("error        billboards     texels   area/faces   largest error   normals off by\n");
+  for (const BillboardCloud& cloud : made.clouds) {
+    const CloudFigures figures = figures_of(cloud);
+    fmt::print("{:<12.5g} {:10} {:10.0f} {:12.2f} {:15.4g} {:11.1f} deg\n", cloud.error,
+               cloud.billboards.size(), figures.texels, figures.area / figures.face_area,
+               figures.largest_error, figures.largest_deviation * 180 / std::numbers::pi);
+  }
+  if (made.hierarchy) {
+    fmt::print("level        textures        bytes   covered   max error   rms error   from distance\n");
+    for (std::size_t i = 0; i < made.hierarchy->levels.size(); ++i) {
+      const LodLevel& level = made.hierarchy->levels[i];
+      const BillboardTextures& textures = *level.billboards;
+      fmt::print("{:<12} {:5} x {:<5} {:9} {:7.1f} % {:11.4g} {:11.4g} {:15.5g}\n", i, textures.color.width,
+                 textures.color.height, textures.bytes(), 100 * textures.covered, level.error.max,
+                 level.error.rms, level.switch_distance);
+    }
+  }
+  fmt::print("seconds      {:.3g}\n", seconds);
+  for (const std::string& file : made.files) fmt::print("written      {}\n", file);
+}
+
+void print_document(const Made& made, const BillboardsOptions& options, double seconds) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < made.clouds.size(); ++i) {
+    const CloudFigures figures = figures_of(made.clouds[i]);
+    list.push_back({{"error", made.clouds[i].error},
+                    {"billboards", made.clouds[i].billboards.size()},
                     {"texels", figures.texels},
                     {"area", figures.area},
                     {"face_area", figures.face_area},
                     {"largest_error", figures.largest_error},
-                    {"largest_deviation", degrees}});
-  }
-  if (!options.common.json) {
-    fmt::print("seconds      {:.3g}\n", seconds);
-    for (const std::string& file : files) fmt::print("written      {}\n", file);
-    return;
+                    {"largest_deviation", figures.largest_deviation * 180 / std::numbers::pi},
+                    {"textures", nullptr}});
+    if (!options.folder.empty())
+      list.back()["textures"] =
+          textures_to_json(made.hierarchy->levels[i], made.hierarchy_files.map_files[i]);
   }
   print_json({{"command", "billboards"},
               {"input", options.input},
-              {"outputs", files},
-              {"points", n_points},
-              {"left_out", clouds.front().left_out},
+              {"outputs", made.files},
+              {"points", made.n_points},
+              {"left_out", made.clouds.front().left_out},
               {"clouds", list},
               {"seconds", seconds}});
+}
+
+void run(BillboardsOptions options) {
+  const auto start = std::chrono::steady_clock::now();
+  if (!options.output.empty()) check_mesh_path(options.output);
+  if (!options.folder.empty() && std::filesystem::exists(options.folder) &&
+      !std::filesystem::is_directory(options.folder))
+    throw InputError::in_file(options.folder, "isn't a folder");
+  if (options.mipmaps > 0 && options.folder.empty()) throw OptionError("--mipmaps needs --folder");
+  TerminalProgress progress(options.common.quiet);
+  const Made made = make(options, &progress);
+  progress.clear();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (made.clouds.front().left_out > 0)
+    print_remark(fmt::format("{} faces without area are left out", made.clouds.front().left_out),
+                 options.common);
+  options.common.json ? print_document(made, options, seconds) : print_text(made, seconds);
 }
 
 }  // namespace
@@ -156,6 +256,9 @@ void add_billboards_command(CLI::App& app) {
   command->add_option(
       "-o,--output", options->output,
       "writes the rectangles in colours, one mesh for each error, numbered where there are several");
+  command->add_option(
+      "--folder", options->folder,
+      "writes the rectangles with textures, as levels of a hierarchy: a GLB file and its pictures");
   const auto group = "Billboards";
   command
       ->add_option(
@@ -170,11 +273,12 @@ void add_billboards_command(CLI::App& app) {
                        ->add_option("--errors", options->clouds.errors,
                                     "how far faces may be from their rectangle, object units; rising")
                        ->group(group);
-  command
-      ->add_option("--relative-errors", options->relative_errors,
-                   "the same as shares of the diagonal (0.5, 1, 2 and 4 % of the longest side)")
-      ->group(group)
-      ->excludes(absolute);
+  auto* relative =
+      command
+          ->add_option("--relative-errors", options->relative_errors,
+                       "the same as shares of the diagonal (0.5, 1, 2 and 4 % of the longest side)")
+          ->group(group)
+          ->excludes(absolute);
   command
       ->add_option("--normal-deviation", options->largest_deviation,
                    "largest angle between a face and its rectangle, degrees, not of planes (60)")
@@ -192,6 +296,42 @@ void add_billboards_command(CLI::App& app) {
       ->group(group);
   command->add_flag("--two-sided", options->clouds.is_two_sided, "faces count from both sides, as leaves do")
       ->group(group);
+  const auto textures = "Textures";
+  command
+      ->add_option("--texels-per-error", options->textures.texels_per_error,
+                   "a texel's sides are at most the error over this (1)")
+      ->check(CLI::PositiveNumber)
+      ->group(textures);
+  command->add_option("--samples", options->textures.samples, "rays along each side of a texel (4)")
+      ->check(CLI::Range(1, 64))
+      ->group(textures);
+  command
+      ->add_option(
+          "--overlap", options->textures.overlap,
+          "texels in which faces of others are shown beside a rectangle's own ones, against gaps (2)")
+      ->check(CLI::Range(0, 1000))
+      ->group(textures);
+  command->add_option("--gutter", options->textures.gutter, "texels between rectangles in the atlas (1)")
+      ->check(CLI::Range(0, 64))
+      ->group(textures);
+  command
+      ->add_option(
+          "--budget", options->budget,
+          "bytes of textures: the cloud of least error that fits, instead of --errors; such as 256kb")
+      ->transform(CLI::AsSizeValue(false))
+      ->group(textures)
+      ->excludes(absolute)
+      ->excludes(relative);
+  command
+      ->add_option("--mipmaps", options->mipmaps,
+                   "smaller versions of the pictures that are written, too (0)")
+      ->check(CLI::Range(0, 16))
+      ->group(textures);
+  const auto view = "View (for switch distances)";
+  command->add_option("--image-height", options->view.image_height, "pixels (1080)")->group(view);
+  command->add_option("--field-of-view", options->field_of_view, "vertical, degrees (45)")->group(view);
+  command->add_option("--pixel-error", options->view.pixel_error, "error that a level may show, pixels (1)")
+      ->group(view);
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });
 }

@@ -32,6 +32,7 @@ struct BillboardCloud {
   std::size_t left_out = 0;  ///< faces without area
   bool is_two_sided = false;
   double largest_deviation = std::numbers::pi;  ///< that was permitted, radians
+  bool is_impostor = false;  ///< each billboard stands for all faces, see octahedral_impostor.h
 };
 
 enum class BillboardMethod {

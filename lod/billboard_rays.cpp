@@ -19,9 +19,10 @@ struct FaceChoice {
   Vec3 front = Vec3::UnitZ();
   double least_cosine = -1;
   bool is_two_sided = false;
+  bool takes_all = false;
 
   bool takes(std::uint32_t triangle) const {
-    if ((*billboard_of)[triangle] == billboard) return true;
+    if (takes_all || (*billboard_of)[triangle] == billboard) return true;
     const double cosine = (*normals)[triangle].dot(front);
     return (is_two_sided ? std::abs(cosine) : cosine) >= least_cosine;
   }
@@ -95,6 +96,7 @@ std::optional<BillboardSample> BillboardRays::sample(std::size_t number, const V
   choice.front = front;
   choice.least_cosine = std::cos(cloud_.largest_deviation);
   choice.is_two_sided = cloud_.is_two_sided;
+  choice.takes_all = cloud_.is_impostor;
   RTCRayHit ray{};
   ray.ray.org_x = origin.x();
   ray.ray.org_y = origin.y();
@@ -110,7 +112,7 @@ std::optional<BillboardSample> BillboardRays::sample(std::size_t number, const V
   const double u = static_cast<double>(ray.hit.u), v = static_cast<double>(ray.hit.v);
   const TrianglePlace hit{ray.hit.primID, Vec3(1 - u - v, u, v)};
   BillboardSample sample;
-  sample.is_own = billboard_of_[hit.triangle] == number;
+  sample.is_own = cloud_.is_impostor || billboard_of_[hit.triangle] == number;
   sample.height = (reach - static_cast<double>(ray.ray.tfar)) / scale_;
   sample.color = attributes_.color_at(hit);
   sample.normal = attributes_.normal_at(hit);

@@ -1,6 +1,6 @@
 #include <recede/geometry/atlas_packing.h>
 #include <recede/geometry/error.h>
-#include <recede/lod/billboard_texture.h>
+#include <recede/lod/billboard_budget.h>
 #include <recede/lod/detail/billboard_rays.h>
 #include <recede/lod/detail/billboard_texels.h>
 #include <recede/lod/detail/map_texels.h>
@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace recede {
 
@@ -65,18 +66,15 @@ Eigen::Vector2i size_in_texels(const Billboard& billboard, double texel) {
   return {along(billboard.half_sizes.x()), along(billboard.half_sizes.y())};
 }
 
-void check_total(const BillboardCloud& cloud, double texel) {
-  constexpr double k_most = 1 << 28;
+constexpr double k_most_texels = 1 << 28;
+
+double texels_at_most(const BillboardCloud& cloud, double texel) {
   double total = 0;
   for (const Billboard& billboard : cloud.billboards) {
     total += std::ceil(2 * billboard.half_sizes.x() / texel + 1) *
              std::ceil(2 * billboard.half_sizes.y() / texel + 1);
   }
-  if (!(total < k_most))
-    throw OptionError(
-        fmt::format("billboards of {:.3g} texels are too many: the error {:.3g} is too small for "
-                    "this model",
-                    total, cloud.error));
+  return total;
 }
 
 // Texels that are near to others, along both axes.
@@ -229,8 +227,13 @@ BillboardTextures texture_billboards(const PolygonSoup& model, const BillboardCl
   BillboardTextures textures;
   textures.error = cloud.error;
   textures.texel = cloud.error / options.texels_per_error;
-  check_total(cloud, textures.texel);
+  if (const double total = texels_at_most(cloud, textures.texel); !(total < k_most_texels))
+    throw OptionError(
+        fmt::format("billboards of {:.3g} texels are too many: the error {:.3g} is too small for "
+                    "this model",
+                    total, cloud.error));
   textures.height_range = cloud.error;
+  textures.is_impostor = cloud.is_impostor;
   textures.billboards = cloud.billboards;
   pack_billboards(textures.texel, options.gutter, textures);
   BillboardCloud turned = cloud;
@@ -246,6 +249,16 @@ BillboardTextures texture_billboards(const PolygonSoup& model, const BillboardCl
   }
   fill_atlas(blocks, textures);
   return textures;
+}
+
+std::size_t texture_bytes(const BillboardCloud& cloud, const BillboardTextureOptions& options) {
+  check(options);
+  const double texel = cloud.error / options.texels_per_error;
+  if (!(texels_at_most(cloud, texel) < k_most_texels)) return std::numeric_limits<std::size_t>::max();
+  BillboardTextures textures;
+  textures.billboards = cloud.billboards;
+  pack_billboards(texel, options.gutter, textures);
+  return textures.bytes();
 }
 
 PolygonSoup quads_of(const BillboardTextures& textures) {

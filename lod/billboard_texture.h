@@ -31,11 +31,12 @@ struct BillboardTextures {
   double height_range = 0;             ///< heights go from minus this to this
   std::vector<Billboard> billboards;   ///< rows of the atlas run along `axis_u`
   std::vector<BillboardPlace> places;  ///< of each: whole texels, which divide it evenly
-  Raster color;        ///< width x height x 4, sRGB: colour, and opacity, of which half and more is drawn
-  Raster normal;       ///< x 3, along a billboard's axes and normal: 0 to 255 are -1 to 1
-  Raster height;       ///< x 1, over the billboard: 0 to 255 are -`height_range` to `height_range`
-  double covered = 0;  ///< share of the atlas that is drawn
-  double packed = 0;   ///< share of the atlas that billboards take
+  Raster color;   ///< width x height x 4, sRGB: colour, and opacity, of which half and more is drawn
+  Raster normal;  ///< x 3, along a billboard's axes and normal: 0 to 255 are -1 to 1
+  Raster height;  ///< x 1, over the billboard: 0 to 255 are -`height_range` to `height_range`
+  bool is_impostor = false;  ///< of such a cloud
+  double covered = 0;        ///< share of the atlas that is drawn
+  double packed = 0;         ///< share of the atlas that billboards take
 
   std::size_t n_texels() const;  ///< of the billboards
   /// Of all textures in memory, without mipmaps: 8 a texel.

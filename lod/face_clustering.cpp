@@ -358,7 +358,13 @@ std::vector<std::pair<Index, Index>> neighbours_of(const BillboardFaces& faces, 
 }
 
 // Of a cluster, along the axis in which it is narrowest.
-Billboard billboard_of(const BillboardFaces& faces, const std::vector<Index>& members, bool is_two_sided) {
+// One face, though, has a billboard that faces as it does, unless its corners are too far from a plane.
+Billboard billboard_of(const BillboardFaces& faces, const std::vector<Index>& members, bool is_two_sided,
+                       double error) {
+  if (members.size() == 1) {
+    Billboard billboard = billboard_facing(faces, members, faces.normals[members.front()], is_two_sided);
+    if (billboard.error <= error) return billboard;
+  }
   SurfaceMoments moments;
   for (const Index face : members) moments += faces.moments[face];
   const Eigen::Matrix3d axes = moments.axes();
@@ -398,7 +404,7 @@ std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
     }
     std::vector<Billboard>& billboards = result.emplace_back(members.size());
     tbb::parallel_for(std::size_t{0}, members.size(), [&](std::size_t i) {
-      billboards[i] = billboard_of(faces, members[i], options.is_two_sided);
+      billboards[i] = billboard_of(faces, members[i], options.is_two_sided, errors[level]);
     });
   }
   return result;

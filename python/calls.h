@@ -68,6 +68,8 @@ class PythonProgress final : public Progress {
 /// Options by the names of `SimplifyOptions`, with the target. Throws `OptionError` for unknown choices.
 SimplifyOptions read_options(const py::dict& from);
 
+/// Adds billboard clouds.
+void bind_billboards(py::module_& m);
 /// Adds CAD models.
 void bind_cad(py::module_& m);
 /// Adds charts and atlases to the module.

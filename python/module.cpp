@@ -8,6 +8,7 @@
 #include <recede/geometry/sample_models.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/simplify.h>
+#include <recede/render/far_level.h>
 #include <recede/render/report.h>
 
 #include <oneapi/tbb/global_control.h>
@@ -116,6 +117,7 @@ struct Baked {
   LodHierarchy hierarchy;
   HierarchyFiles files;
   std::optional<ReportFiles> report;
+  std::vector<std::string> far_levels{};  // why billboards or triangles stand far away
 };
 
 Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, const py::dict& levels,
@@ -134,8 +136,9 @@ Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, co
   read(levels, "relative_errors", relative_errors);
   read(levels, "up", up);
   if (up.size() != 3) throw OptionError("up must have three numbers");
-  bool with_report = true;
+  bool with_report = true, with_billboards = true;
   read(levels, "report", with_report);
+  read(levels, "billboards", with_billboards);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     Baked baked;
     PolygonMesh input = repair_to_polygon_mesh(*mesh.soup).mesh;
@@ -143,6 +146,11 @@ Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, co
     const double diagonal = input.n_faces() > 0 ? summarize(input).box.diagonal().norm() : 0;
     for (const double share : relative_errors) hierarchy_options.errors.push_back(share * diagonal);
     baked.hierarchy = build_hierarchy(input, name, hierarchy_options, p);
+    if (with_billboards) {
+      std::vector<FarLevelTrial> trials = compare_far_levels(baked.hierarchy, {}, p);
+      append_far_levels(baked.hierarchy, trials, p);
+      for (const FarLevelTrial& trial : trials) baked.far_levels.push_back(trial.reason);
+    }
     baked.files = write_hierarchy(folder, baked.hierarchy);
     if (with_report) {
       baked.report = write_report(folder, baked.hierarchy, baked.files, {.up = {up[0], up[1], up[2]}}, p);
@@ -335,18 +343,22 @@ void bind_results(py::module_& m) {
       .def_readonly("error", &LodLevel::error)
       .def_readonly("switch_distance", &LodLevel::switch_distance)
       .def_readonly("screen_coverage", &LodLevel::screen_coverage)
-      .def_readonly("stop_reason", &LodLevel::stop_reason);
+      .def_readonly("stop_reason", &LodLevel::stop_reason)
+      .def_property_readonly("is_billboards",
+                             [](const LodLevel& level) { return level.billboards.has_value(); });
   py::class_<MapFiles>(m, "MapFiles")
       .def_property_readonly("displacement", [](const MapFiles& f) { return path_or_none(f.displacement); })
       .def_property_readonly("normal", [](const MapFiles& f) { return path_or_none(f.normal); })
       .def_property_readonly("color", [](const MapFiles& f) { return path_or_none(f.color); })
       .def_property_readonly("displacement_exr",
                              [](const MapFiles& f) { return path_or_none(f.displacement_exr); })
-      .def_property_readonly("normal_exr", [](const MapFiles& f) { return path_or_none(f.normal_exr); });
+      .def_property_readonly("normal_exr", [](const MapFiles& f) { return path_or_none(f.normal_exr); })
+      .def_property_readonly("height", [](const MapFiles& f) { return path_or_none(f.height); });
   py::class_<Baked>(m, "BakeResult")
       .def_property_readonly("levels", [](const Baked& baked) { return baked.hierarchy.levels; })
       .def_property_readonly("glb", [](const Baked& baked) { return baked.files.glb; })
       .def_property_readonly("folder", [](const Baked& baked) { return baked.files.folder; })
+      .def_readonly("far_levels", &Baked::far_levels)
       .def_property_readonly("map_files", [](const Baked& baked) { return baked.files.map_files; })
       .def_property_readonly("report", [](const Baked& baked) {
         return baked.report ? std::optional(baked.report->html) : std::nullopt;
@@ -398,6 +410,7 @@ PYBIND11_MODULE(_recede, m) {
     return make_mesh(make_tree({.leaves = leaves, .seed = seed}));
   });
   bind_subdivision(m);
+  bind_billboards(m);
   bind_cad(m);
   bind_charts(m);
   bind_progressive(m);

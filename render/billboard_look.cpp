@@ -1,4 +1,5 @@
 #include <recede/geometry/error.h>
+#include <recede/lod/octahedral_impostor.h>
 #include <recede/render/detail/billboard_look.h>
 #include <recede/render/detail/tracing.h>
 
@@ -20,6 +21,8 @@ BillboardLook::BillboardLook(const PlacedBillboards& placed, const Vec3& center,
   row_ = static_cast<std::size_t>(textures.color.width);
   model_texel_ = textures.texel;
   range_ = textures.height_range;
+  if (textures.is_impostor)
+    views_ = static_cast<int>(std::lround(std::sqrt(static_cast<double>(textures.billboards.size()))));
   for (std::size_t b = 0; b < textures.billboards.size(); ++b) {
     const Billboard& billboard = textures.billboards[b];
     const BillboardPlace& place = textures.places[b];
@@ -178,8 +181,14 @@ bool BillboardLook::cross_cell(const Frame& frame, const LocalRay& ray, int colu
   return false;
 }
 
+bool BillboardLook::faces_best(std::uint32_t primitive, const Vec3f& direction) const {
+  const Vec3 toward = -(to_model_[primitive / frames_.size()].linear() * direction.cast<double>());
+  return octahedral_view(toward, views_) == primitive % frames_.size();
+}
+
 bool BillboardLook::first_crossing(std::uint32_t primitive, const Vec3f& origin, const Vec3f& direction,
                                    double least, double most, Crossing& crossing) const {
+  if (views_ > 0 && !faces_best(primitive, direction)) return false;
   const Frame& frame = frame_of(primitive);
   const LocalRay ray = local_ray(primitive, origin, direction);
   const double reach = k_height_room * range_;

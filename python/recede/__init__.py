@@ -28,6 +28,7 @@ from ._recede import (
     Atlas,
     BakedMaps,
     BakeResult,
+    BillboardCloud,
     CadInstance,
     CadModel,
     CadPart,
@@ -57,14 +58,14 @@ from . import _recede
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
 
 __all__ = [
-    "Appearance", "AreaLight", "Atlas", "BakeResult", "BakedMaps", "CadInstance", "CadModel", "CadPart",
+    "Appearance", "AreaLight", "Atlas", "BakeResult", "BakedMaps", "BillboardCloud", "CadInstance", "CadModel", "CadPart",
     "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph",
     "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance",
     "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh",
-    "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "bake", "bake_maps", "build_progressive",
+    "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "bake", "bake_maps", "build_billboards", "build_progressive",
     "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas", "make_displaced_sphere",
     "make_teapot", "make_tree", "read", "read_appearance", "read_cad", "read_image", "render", "set_threads",
-    "simplify", "simplify_levels", "subdivide", "tessellate_cad", "write", "write_image",
+    "simplify", "simplify_levels", "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -252,7 +253,8 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
          pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
          map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
-         report: bool = True, progress: Progress | None = None, **options: Any) -> BakeResult:
+         report: bool = True, billboards: bool = True, progress: Progress | None = None,
+         **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
 
     Levels are chosen by one of: `ratios` of the faces, decreasing (0.5, 0.25, 0.1, 0.03, 0.01 when nothing is
@@ -263,16 +265,57 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
     `maps` names what of the input is baked onto every coarser level: "displacement", "normal", "color". They have
     `map_size` texels a side; `map_format` "exr" writes heights and normals as floats too. The other options of maps
     are those of `bake_maps`. `result.map_files` has the paths by level.
+
+    Where billboards look more like the mesh from far away than triangles of as many bytes they become the last levels;
+    `result.far_levels` says why or why not. `billboards` False doesn't try them.
     """
     if not (ratios or errors or relative_errors or distances):
         ratios = (0.5, 0.25, 0.1, 0.03, 0.01)
     levels = {"ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
-              "up": list(up), "report": report,
+              "up": list(up), "report": report, "billboards": billboards,
               **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
     return _recede.bake(mesh, folder, name, levels, settings, feature_angle, progress)
+
+
+def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
+                     relative_errors: Sequence[float] | None = None, method: str = "clusters",
+                     normal_deviation: float = 60, waste: float = 3, two_sided: bool = False, neighbours: int = 50,
+                     textures: bool = True, texels_per_error: float = 1, samples: int = 4, overlap: int = 2,
+                     gutter: int = 1, budget: int | None = None,
+                     progress: Progress | None = None) -> list[BillboardCloud]:
+    """Rectangles that stand for a mesh, or loose polygons, from far away: a cloud for each error, finest first.
+
+    `errors` rise, and are in units of the mesh; `relative_errors` are shares of the diagonal; without both there are
+    clouds for 0.5, 1, 2 and 4 % of the longest side. No point of a face is farther from the plane of its rectangle.
+    `method`: "clusters" (little texture, rectangles that face as their faces do), "planes" (few of them) or
+    "simplification". Clusters have normals within `normal_deviation` (degrees) and an area of at most `waste` times
+    that of their faces; faces merge with those among their `neighbours`. `two_sided`: faces count from both sides.
+
+    Textures (colour with opacity, normals, heights) have texels of the error over `texels_per_error`, and `samples`
+    rays along each side of them. `overlap` texels beside its own faces a rectangle shows those of others; `gutter`
+    texels are between rectangles. `budget`: instead of errors, the one cloud of least error whose textures take at
+    most as many bytes. Raises `OptionError` when none fits.
+    """
+    settings = {"errors": list(errors or []), "relative_errors": list(relative_errors or []), "method": method,
+                "normal_deviation": normal_deviation, "waste": waste, "two_sided": two_sided,
+                "neighbours": neighbours, "texels_per_error": texels_per_error, "samples": samples,
+                "overlap": overlap, "gutter": gutter, "budget": budget}
+    return _recede.build_billboards(mesh, settings, textures, progress)
+
+
+def write_billboards(folder: Path, mesh: Mesh, clouds: Sequence[BillboardCloud], *, name: str = "model",
+                     image_height: float = 1080, field_of_view: float = 45, pixel_error: float = 1,
+                     progress: Progress | None = None) -> os.PathLike[str]:
+    """Writes clouds with textures as levels, finest first: `<name>.glb` and `<name>.recede/` in `folder`.
+
+    Returns the path of the GLB. `mesh` is what they were made of. The view (`field_of_view` vertical, degrees) says
+    from which distances on they serve.
+    """
+    view = {"image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error}
+    return _recede.write_billboards(folder, mesh, list(clouds), name, view, progress)
 
 
 class ProgressiveMesh:

@@ -213,6 +213,9 @@ class Level:
     def screen_coverage(self) -> float: ...
     @property
     def stop_reason(self) -> str: ...
+    @property
+    def is_billboards(self) -> bool:
+        """`mesh` has their rectangles"""
 
 class MapFiles:
     """The maps of a level; None: there is no such map."""
@@ -227,6 +230,9 @@ class MapFiles:
         """With map_format "exr", beside the PNG file."""
     @property
     def normal_exr(self) -> Optional[Path]: ...
+    @property
+    def height(self) -> Optional[Path]:
+        """Of billboards"""
 
 class BakedMaps:
     """A coarse surface and its maps."""
@@ -282,6 +288,65 @@ class DicedView:
     def report(self) -> dict[str, Any]:
         """Counts by stage, `largest_move` (units of the mesh) and `seconds`"""
 
+class BillboardCloud:
+    """Rectangles for the faces of a mesh; n of them. Textures are None without `textures`."""
+    @property
+    def error(self) -> float:
+        """That was asked for, units of the mesh"""
+    @property
+    def left_out(self) -> int:
+        """Faces without area"""
+    @property
+    def n_billboards(self) -> int: ...
+    @property
+    def centers(self) -> npt.NDArray[np.float64]:
+        """(n, 3)"""
+    @property
+    def axes_u(self) -> npt.NDArray[np.float64]:
+        """(n, 3), unit; rows of the texture run along them"""
+    @property
+    def axes_v(self) -> npt.NDArray[np.float64]:
+        """(n, 3), unit, upwards in the texture; the front is axes_u x axes_v"""
+    @property
+    def half_sizes(self) -> npt.NDArray[np.float64]:
+        """(n, 2)"""
+    @property
+    def errors(self) -> npt.NDArray[np.float64]:
+        """(n,), the largest distance of a face from each"""
+    @property
+    def normal_deviations(self) -> npt.NDArray[np.float64]:
+        """(n,), the largest angle between a face and each, radians"""
+    def faces_of(self, billboard: int) -> list[int]: ...
+    @property
+    def places(self) -> Optional[npt.NDArray[np.int32]]:
+        """(n, 4): column, row, width and height in the textures, texels"""
+    @property
+    def color(self) -> Optional[npt.NDArray[np.uint8]]:
+        """(height, width, 4), sRGB with opacity; row 0 on top"""
+    @property
+    def normal(self) -> Optional[npt.NDArray[np.uint8]]:
+        """(height, width, 3): 0 to 255 are -1 to 1 along the axes and the front"""
+    @property
+    def height(self) -> Optional[npt.NDArray[np.uint8]]:
+        """(height, width): 0 to 255 are -height_range to height_range over the rectangle"""
+    @property
+    def height_range(self) -> Optional[float]: ...
+    @property
+    def texel(self) -> Optional[float]:
+        """Its longest side, units of the mesh"""
+    @property
+    def n_texels(self) -> Optional[int]:
+        """Of the rectangles"""
+    @property
+    def bytes(self) -> Optional[int]:
+        """Of the textures in memory"""
+    @property
+    def covered(self) -> Optional[float]:
+        """Share of the textures that is drawn"""
+    @property
+    def quads(self) -> Optional[Mesh]:
+        """With texture coordinates and normals"""
+
 class BakeResult:
     @property
     def levels(self) -> list[Level]: ...
@@ -292,6 +357,9 @@ class BakeResult:
     @property
     def map_files(self) -> list[MapFiles]:
         """One for each level"""
+    @property
+    def far_levels(self) -> list[str]:
+        """Why billboards or triangles stand far away"""
     @property
     def report(self) -> Optional[Path]: ...
 
@@ -507,6 +575,12 @@ class CadModel:
     @property
     def repairs(self) -> list[str]: ...
 
+def build_billboards(
+    mesh: Mesh, settings: dict[str, Any], textures: bool, progress: _Progress
+) -> list[BillboardCloud]: ...
+def write_billboards(
+    folder: _Path, mesh: Mesh, clouds: Sequence[BillboardCloud], name: str, view: dict[str, Any], progress: _Progress
+) -> Path: ...
 def can_read_cad() -> bool: ...
 def read_cad(path: _Path, repair: bool, progress: _Progress) -> CadModel: ...
 def tessellate_cad(

@@ -64,10 +64,12 @@ class BillboardLook {
                      const Eigen::Vector3f& direction) const;
   bool cross_cell(const Frame& frame, const LocalRay& ray, int column, int row, double from, double to,
                   Crossing& crossing) const;
+  bool faces_best(std::uint32_t primitive, const Eigen::Vector3f& direction) const;
   template <typename Values>
   static auto blend(const Cell& cell, const Values& value);
 
   std::vector<Frame> frames_;
+  int views_ = 0;                         // of an impostor, along each side
   std::size_t row_ = 0;                   // texels of the atlas
   double model_texel_ = 0, range_ = 0;    // object units
   std::vector<float> opacity_, heights_;  // of the atlas; heights in object units

@@ -189,6 +189,40 @@ TEST(BakeCommand, WritesTheMapsThatAreAskedFor) {
   EXPECT_TRUE(is_valid_gltf(folder / "out/sphere.glb"));
 }
 
+TEST(BakeCommand, EndsATreeWithBillboardsAndSaysWhy) {
+  const TempFolder folder;
+  const std::string out = folder / "out";
+  const json result =
+      json_of(run_recede({"bake", "tree", "-o", out, "--ratios", "0.5", "--no-report", "--json"}));
+  const json& last = result.at("levels").back();
+  ASSERT_FALSE(last.at("billboards").is_null());
+  EXPECT_TRUE(std::filesystem::exists(last.at("billboards").at("height").get<std::string>()));
+  EXPECT_THAT(last.at("stop_reason").get<std::string>(), HasSubstr("billboards: pictures of"));
+  const json& trials = result.at("far_levels");
+  ASSERT_FALSE(trials.empty());
+  EXPECT_TRUE(trials.back().at("takes_billboards").get<bool>());
+  EXPECT_LT(trials.back().at("billboard_difference"), trials.back().at("triangle_difference"));
+  // They can be drawn.
+  const std::string picture = folder / "tree.png";
+  const std::size_t number = result.at("levels").size() - 1;
+  const CommandResult drawn =
+      run_recede({"render", folder / "out/tree.recede", "-o", picture, "--level", std::to_string(number),
+                  "--image-width", "40", "--image-height", "40"});
+  EXPECT_EQ(drawn.code, 0) << drawn.remarks;
+  const json plain = json_of(
+      run_recede({"bake", "tree", "-o", out, "--ratios", "0.5", "--no-report", "--no-billboards", "--json"}));
+  EXPECT_EQ(plain.at("levels").size(), 2u);
+  EXPECT_TRUE(plain.at("far_levels").empty());
+}
+
+TEST(BakeCommand, WritesBillboardsThatPassTheKhronosValidator) {
+  if (!has_gltf_validator()) GTEST_SKIP() << "the glTF validator isn't installed; ./dev test fetches it";
+  const TempFolder folder;
+  json_of(run_recede({"billboards", "tree", "--folder", folder / "out", "--two-sided", "--relative-errors",
+                      "0.03", "--json"}));
+  EXPECT_TRUE(is_valid_gltf(folder / "out/tree.glb"));
+}
+
 TEST(BakeCommand, WritesFloatMapsBesideTheOthersOnRequest) {
   const TempFolder folder;
   const json levels =

@@ -70,6 +70,42 @@ TEST(BillboardsCommand, TakesTheBuiltInTree) {
   EXPECT_LT(result["clouds"][0]["billboards"].get<std::size_t>(), 2400u);  // it has as many leaves
 }
 
+TEST(BillboardsCommand, WritesTexturesAsLevels) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500), out = folder / "out";
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", sphere, "--folder", out, "--relative-errors", "0.02", "0.05",
+                          "--mipmaps", "3", "--json"}));
+  EXPECT_EQ(result["outputs"], nlohmann::json::array({folder / "out/sphere.glb"}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const nlohmann::json& textures = result["clouds"][i]["textures"];
+    for (const char* kind : {"color", "normal", "height"}) {
+      const Raster picture = read_png(textures[kind].get<std::string>());
+      EXPECT_EQ(picture.width, textures["size"][0]);
+      EXPECT_EQ(picture.height, textures["size"][1]);
+      for (int k = 1; k <= 3; ++k) {
+        const Raster smaller =
+            read_png(folder / fmt::format("out/sphere.recede/level_{}_{}_{}.png", i, kind, k));
+        EXPECT_EQ(smaller.width, picture.width >> k);
+      }
+    }
+    EXPECT_GT(textures["covered"], 0.3);
+  }
+  EXPECT_LT(result["clouds"][0]["textures"]["switch_distance"],
+            result["clouds"][1]["textures"]["switch_distance"]);
+}
+
+TEST(BillboardsCommand, KeepsToABudget) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500), out = folder / "out";
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", sphere, "--folder", out, "--budget", "64kb", "--json"}));
+  ASSERT_EQ(result["clouds"].size(), 1u);
+  EXPECT_LE(result["clouds"][0]["textures"]["bytes"], 65536);
+  EXPECT_GT(result["clouds"][0]["textures"]["bytes"], 32768);
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--budget", "7"}), 2), HasSubstr("too few"));
+}
+
 TEST(BillboardsCommand, SaysWhatCantBe) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 100), out = folder / "cloud.ply";
@@ -77,6 +113,12 @@ TEST(BillboardsCommand, SaysWhatCantBe) {
               HasSubstr("increase"));
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--method", "magic"}), 2), HasSubstr("magic"));
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "-o", "cloud.doc"}), 1), HasSubstr("cloud.doc"));
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--mipmaps", "2"}), 2), HasSubstr("--folder"));
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--folder", sphere}), 1), HasSubstr("folder"));
+  EXPECT_THAT(
+      complaint_of(run_recede({"billboards", sphere, "--folder", folder / "out", "--errors", "1e-7"}), 2),
+      HasSubstr("too small"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   EXPECT_THAT(complaint_of(run_recede({"billboards", folder / "flat.obj", "-o", out}), 1), HasSubstr("area"));
   EXPECT_FALSE(std::filesystem::exists(folder / "cloud.ply"));

@@ -115,7 +115,7 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"render", (fs::path(out) / "sphere.recede").string(), "-o", out + ".png", "--level", "1",
             "--appearance", "auto", "--image-width", "8", "--json"},
            {"atlas", sphere, "-o", out + ".obj", "--json"},
-           {"billboards", sphere, "-o", out + ".ply", "--json"},
+           {"billboards", sphere, "--folder", out + "_clouds", "--relative-errors", "0.05", "--json"},
            {"subdivide", sphere, "-o", out + ".obj", "--level", "0", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},

@@ -389,3 +389,50 @@ def test_a_progressive_mesh_gives_levels_and_the_input_back(sphere, tmp_path):
     (tmp_path / "bad.pmesh").write_bytes(b"RCDPMESH")
     with pytest.raises(recede.InputError, match="byte"):
         recede.ProgressiveMesh.read(tmp_path / "bad.pmesh")
+
+
+def test_billboards_stand_for_a_tree():
+    tree = recede.make_tree(leaves=300)
+    fine, coarse = recede.build_billboards(tree, relative_errors=[0.02, 0.06], two_sided=True)
+    assert fine.n_billboards > coarse.n_billboards > 0
+    for cloud in (fine, coarse):
+        n = cloud.n_billboards
+        assert cloud.centers.shape == cloud.axes_u.shape == cloud.axes_v.shape == (n, 3)
+        assert cloud.half_sizes.shape == (n, 2) and cloud.places.shape == (n, 4)
+        assert (cloud.errors <= cloud.error).all()
+        assert (cloud.normal_deviations <= np.radians(60.001)).all()
+        faces = sorted(face for b in range(n) for face in cloud.faces_of(b))
+        assert faces == list(range(tree.n_faces))
+        height, width, channels = cloud.color.shape
+        assert channels == 4 and cloud.normal.shape == (height, width, 3) and cloud.height.shape == (height, width)
+        assert cloud.bytes == 8 * width * height
+        assert (cloud.places[:, 0] + cloud.places[:, 2] <= width).all()
+        assert cloud.quads.n_faces == n
+    with pytest.raises(IndexError):
+        fine.faces_of(fine.n_billboards)
+
+
+def test_billboards_without_textures_have_none():
+    (cloud,) = recede.build_billboards(recede.make_tree(leaves=50), relative_errors=[0.1], method="planes", textures=False)
+    assert cloud.color is None and cloud.places is None and cloud.bytes is None and cloud.quads is None
+
+
+def test_billboards_keep_to_a_budget_and_are_written_as_levels(tmp_path):
+    tree = recede.make_tree(leaves=100)
+    (cloud,) = recede.build_billboards(tree, two_sided=True, method="planes", budget=64 * 1024)
+    assert 32 * 1024 < cloud.bytes <= 64 * 1024
+    glb = recede.write_billboards(tmp_path, tree, [cloud], name="tree")
+    assert recede.read(glb, repair=False).n_faces == 2 * cloud.n_billboards
+    with pytest.raises(recede.OptionError, match="without textures"):
+        recede.write_billboards(tmp_path, tree, recede.build_billboards(tree, relative_errors=[0.1], textures=False))
+    with pytest.raises(recede.OptionError, match="method"):
+        recede.build_billboards(tree, method="magic")
+
+
+def test_bake_ends_a_tree_with_billboards(tmp_path):
+    result = recede.bake(recede.make_tree(), tmp_path, ratios=[0.5], report=False)
+    assert result.levels[-1].is_billboards and not result.levels[0].is_billboards
+    assert result.far_levels[-1].startswith("billboards: pictures of")
+    assert result.map_files[-1].height.exists()
+    plain = recede.bake(recede.make_tree(), tmp_path, ratios=[0.5], report=False, billboards=False)
+    assert not any(level.is_billboards for level in plain.levels) and plain.far_levels == []
