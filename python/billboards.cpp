@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <numbers>
+#include <type_traits>
 
 namespace recede::python {
 
@@ -121,7 +122,7 @@ py::array of_each(const Cloud& cloud, const Value& value) {
     const Vec3 numbers = value(billboards[b]);
     for (py::ssize_t k = 0; k < columns; ++k) place(static_cast<py::ssize_t>(b), k) = numbers[k];
   }
-  return std::move(rows);
+  return rows;
 }
 
 py::array numbers_of(const Cloud& cloud, double Billboard::*member) {
@@ -137,7 +138,7 @@ py::array half_sizes(const Cloud& cloud) {
   for (std::size_t b = 0; b < billboards.size(); ++b) {
     for (py::ssize_t k = 0; k < 2; ++k) place(static_cast<py::ssize_t>(b), k) = billboards[b].half_sizes[k];
   }
-  return std::move(rows);
+  return rows;
 }
 
 py::object places(const Cloud& cloud) {
@@ -152,7 +153,7 @@ py::object places(const Cloud& cloud) {
     place(row, 2) = here.width;
     place(row, 3) = here.height;
   }
-  return std::move(rows);
+  return rows;
 }
 
 /// Something of the textures, or None.
@@ -160,7 +161,10 @@ template <typename Value>
 auto if_textured(const Value& value) {
   return [value](const Cloud& cloud) -> py::object {
     if (!cloud.textures) return py::none();
-    return py::cast(value(*cloud.textures));
+    if constexpr (std::is_base_of_v<py::object, decltype(value(*cloud.textures))>)
+      return value(*cloud.textures);
+    else
+      return py::cast(value(*cloud.textures));
   };
 }
 
