@@ -172,10 +172,7 @@ class FaceMerger {
 
   // From all of them.
   double final_cost(Index a, Index b) const {
-    Extents extents = extents_of_kept(a, b);
-    for (const Index cluster : {a, b}) {
-      for (const Vec3& point : clusters_[cluster].members.points) extents.extend(point);
-    }
+    const Extents extents = extents_of_all(a, b);
     const double cost = cost_of(extents, a, b);
     if (cost == k_infinity) return cost;
     const Vec3 normal = normal_of(extents, a, b);
@@ -188,7 +185,12 @@ class FaceMerger {
     return (clusters_[cluster].middle - far.middle).norm() - far.radius;
   }
 
+  /// Those of the clusters that merges made, in their order. Of long thin ones, two axes are as narrow, and
+  /// other sums of the same faces would turn them.
+  const std::vector<Vec3>& normals_of_merges() const { return normals_of_merges_; }
+
   void merge(Index kept, Index absorbed) {
+    normals_of_merges_.push_back(normal_of(extents_of_all(kept, absorbed), kept, absorbed));
     Cluster &to = clusters_[kept], &from = clusters_[absorbed];
     std::vector<Vec3> points, normals;
     for (const Index cluster : {kept, absorbed}) {
@@ -238,6 +240,14 @@ class FaceMerger {
     moments += clusters_[b].moments;
     Extents extents(moments.axes());
     for (const Index cluster : {a, b}) each_point(cluster, [&](const Vec3& point) { extents.extend(point); });
+    return extents;
+  }
+
+  Extents extents_of_all(Index a, Index b) const {
+    Extents extents = extents_of_kept(a, b);
+    for (const Index cluster : {a, b}) {
+      for (const Vec3& point : clusters_[cluster].members.points) extents.extend(point);
+    }
     return extents;
   }
 
@@ -302,6 +312,7 @@ class FaceMerger {
   const std::vector<double>& errors_;  // in units of the model's size
   double least_cosine_;
   std::vector<Cluster> clusters_;
+  std::vector<Vec3> normals_of_merges_;
 };
 
 // As the tree wants them.
@@ -357,30 +368,26 @@ std::vector<std::pair<Index, Index>> neighbours_of(const BillboardFaces& faces, 
   return pairs;
 }
 
-// Of a cluster, along the axis in which it is narrowest.
-// One face, though, has a billboard that faces as it does, unless its corners are too far from a plane.
-Billboard billboard_of(const BillboardFaces& faces, const std::vector<Index>& members, bool is_two_sided,
-                       double error) {
-  if (members.size() == 1) {
-    Billboard billboard = billboard_facing(faces, members, faces.normals[members.front()], is_two_sided);
-    if (billboard.error <= error) return billboard;
-  }
-  SurfaceMoments moments;
-  for (const Index face : members) moments += faces.moments[face];
-  const Eigen::Matrix3d axes = moments.axes();
-  Extents extents(axes);
-  for (const Index face : members) {
-    for (const Index corner : faces.corners_of(face)) extents.extend(faces.points[corner]);
-  }
-  return billboard_facing(faces, members, axes.col(extents.narrowest()), is_two_sided);
+// Of one face, that faces as it does, unless its corners are too far from a plane; then along its narrowest
+// axis.
+Billboard billboard_of_one(const BillboardFaces& faces, Index face, bool is_two_sided, double error) {
+  const std::array<Index, 1> members{face};
+  Billboard billboard = billboard_facing(faces, members, faces.normals[face], is_two_sided);
+  if (billboard.error <= error) return billboard;
+  Extents extents(faces.moments[face].axes());
+  for (const Index corner : faces.corners_of(face)) extents.extend(faces.points[corner]);
+  return billboard_facing(faces, members, extents.axis(extents.narrowest()), is_two_sided);
 }
 
 Agglomeration merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
-                          std::vector<double> errors, Progress* progress) {
+                          std::vector<double> errors, std::vector<Vec3>& normals, Progress* progress) {
   for (double& error : errors) error *= (1 - k_rounding) / faces.size;
   FaceMerger merger(faces, options, errors);
   const std::vector<std::pair<Index, Index>> neighbours = neighbours_of(faces, options.n_neighbours);
-  return agglomerate(faces.count(), neighbours, merger, {.most_neighbours = options.n_neighbours}, progress);
+  Agglomeration tree =
+      agglomerate(faces.count(), neighbours, merger, {.most_neighbours = options.n_neighbours}, progress);
+  normals = merger.normals_of_merges();
+  return tree;
 }
 
 }  // namespace
@@ -389,14 +396,18 @@ std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
                                                   const BillboardOptions& options,
                                                   std::span<const double> errors, Progress* progress) {
   const BillboardFaces faces = in_order_of_space(model);
-  const Agglomeration tree = merge_faces(faces, options, {errors.begin(), errors.end()}, progress);
+  std::vector<Vec3> normals;  // of the clusters that merges make
+  const Agglomeration tree = merge_faces(faces, options, {errors.begin(), errors.end()}, normals, progress);
   std::vector<std::vector<Billboard>> result;
   for (std::size_t level = 0; level < errors.size(); ++level) {
     const double limit = static_cast<double>(level + 1) * options.largest_waste;
     const auto beyond = std::find_if(tree.merges.begin(), tree.merges.end(),
                                      [&](const ClusterMerge& merge) { return merge.cost > limit; });
-    const std::vector<Index> cluster_of =
-        clusters_after(tree, static_cast<std::size_t>(beyond - tree.merges.begin()));
+    const auto n_merges = static_cast<std::size_t>(beyond - tree.merges.begin());
+    const std::vector<Index> cluster_of = clusters_after(tree, n_merges);
+    // A cluster is kept under the number of its first face.
+    std::vector<std::size_t> last_merge(faces.count(), tree.merges.size());
+    for (std::size_t m = 0; m < n_merges; ++m) last_merge[tree.merges[m].kept] = m;
     std::vector<std::vector<Index>> members;
     for (Index face = 0; face < cluster_of.size(); ++face) {
       if (cluster_of[face] >= members.size()) members.resize(cluster_of[face] + 1);
@@ -404,7 +415,11 @@ std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
     }
     std::vector<Billboard>& billboards = result.emplace_back(members.size());
     tbb::parallel_for(std::size_t{0}, members.size(), [&](std::size_t i) {
-      billboards[i] = billboard_of(faces, members[i], options.is_two_sided, errors[level]);
+      const Index first = members[i].front();
+      billboards[i] =
+          members[i].size() == 1
+              ? billboard_of_one(faces, first, options.is_two_sided, errors[level])
+              : billboard_facing(faces, members[i], normals[last_merge[first]], options.is_two_sided);
     });
   }
   return result;
