@@ -87,7 +87,7 @@ void draw_forest(const char* file, int n_along) {
   const double building = seconds_since(start);
   RenderOptions rendering{.samples_per_pixel = 4, .background = rgb_from_hex(0xb8d0e8)};
   rendering.transport = LightTransport::direct;
-  rendering.lighting = daylight();
+  rendering.lighting = recede::daylight();
   rendering.lighting.environment->visible = false;
   const auto first = Clock::now();
   const Image picture = render(scene, camera, rendering);

@@ -12,7 +12,7 @@ struct FarLevelOptions {
   std::vector<double> relative_errors{0.02, 0.04, 0.08};
   /// Which constructions are tried.
   std::vector<BillboardMethod> methods{BillboardMethod::face_clustering, BillboardMethod::plane_cover};
-  BillboardOptions clouds;  ///< `method` and `errors` are ignored
+  BillboardOptions clouds{};  ///< `method` and `errors` are ignored
   /// More texels than errors ask for show leaves better than as many bytes of triangles.
   BillboardTextureOptions textures{.texels_per_error = 2};
   int views = 12;  ///< spread over all directions, in which pictures are compared

@@ -263,7 +263,7 @@ TEST(BillboardCloud, OfTheTrianglesOfASimplifiedModelKeepsItsPromises) {
   for (const Vec3& point : {Vec3(-0.3, 0.3, 0), Vec3(0.3, 0.31, 0), Vec3(0, 0.3, 1)})
     folded.positions.push_back(point);
   folded.add_face(std::array<Index, 3>{n, n + 1, n + 2});
-  for (const PolygonSoup& model : {ball(20), tube(0.1, 32, 30), leaves(400, 4), sheets, folded}) {
+  for (const PolygonSoup& model : {uv_ball(20), tube(0.1, 32, 30), leaves(400, 4), sheets, folded}) {
     for (const bool is_two_sided : {false, true}) {
       for (const double degrees : {10.0, 60.0, 150.0}) {
         BillboardOptions options;

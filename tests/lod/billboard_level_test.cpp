@@ -125,7 +125,7 @@ TEST(BillboardLevel, NeedsAMesh) { EXPECT_THROW(billboard_hierarchy(uv_ball(4), 
 TEST(BillboardBudget, IsKeptAndUsed) {
   const PolygonSoup model = uv_ball(20);
   double last = 1e9;
-  for (const std::size_t bytes : {4'000, 30'000, 200'000}) {
+  for (const std::size_t bytes : {4'000u, 30'000u, 200'000u}) {
     const BillboardTextures textures = billboards_within(model, bytes);
     EXPECT_LE(textures.bytes(), bytes);
     EXPECT_GT(textures.bytes(), bytes / 2);

@@ -18,7 +18,9 @@ using test::uv_ball;
 using testing::HasSubstr;
 
 LodHierarchy hierarchy_of(const PolygonSoup& model) {
-  return build_hierarchy(repair_to_polygon_mesh(model).mesh, "model", {.ratios = {0.25, 0.05}});
+  HierarchyOptions options;
+  options.ratios = {0.25, 0.05};
+  return build_hierarchy(repair_to_polygon_mesh(model).mesh, "model", options);
 }
 
 TEST(FarLevels, OfATreeAreBillboards) {
@@ -33,7 +35,7 @@ TEST(FarLevels, OfATreeAreBillboards) {
   EXPECT_THAT(trial.reason, HasSubstr("billboards: pictures of"));
   EXPECT_LT(trial.billboard_difference, trial.triangle_difference);
   EXPECT_LE(trial.triangle_bytes, trial.billboard_bytes);
-  EXPECT_GT(trial.triangle_bytes, 0.8 * trial.billboard_bytes);  // else the comparison wouldn't be one
+  EXPECT_GT(5 * trial.triangle_bytes, 4 * trial.billboard_bytes);  // else the comparison wouldn't be one
   EXPECT_EQ(append_far_levels(hierarchy, trials), 1u);
   const LodLevel& last = hierarchy.levels.back();
   ASSERT_TRUE(last.billboards.has_value());
