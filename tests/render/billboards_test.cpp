@@ -88,7 +88,7 @@ PolygonSoup tessellated(const BillboardTextures& textures, int parts) {
   }
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      const auto a = static_cast<Index>(j * (columns + 1) + i), below = static_cast<Index>(a + columns + 1);
+      const auto a = static_cast<Index>(j * (columns + 1) + i), below = a + static_cast<Index>(columns + 1);
       soup.add_face(std::array<Index, 3>{a, below, below + 1});
       soup.add_face(std::array<Index, 3>{a, below + 1, a + 1});
     }
