@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace recede {
@@ -25,6 +26,10 @@ Vec3 octahedral_direction(const Vec2& place) {
   return direction.normalized();
 }
 
+Vec2 node_place(int column, int row, int views) {
+  return {2.0 * column / (views - 1) - 1, 2.0 * row / (views - 1) - 1};
+}
+
 }  // namespace
 
 std::size_t octahedral_view(const Vec3& direction, int views) {
@@ -34,10 +39,21 @@ std::size_t octahedral_view(const Vec3& direction, int views) {
     place = Vec2((1 - std::abs(scaled.y())) * sign_of(scaled.x()),
                  (1 - std::abs(scaled.x())) * sign_of(scaled.y()));
   }
-  const auto node = [&](double x) {
-    return static_cast<std::size_t>(std::clamp<long>(std::lround((x + 1) / 2 * (views - 1)), 0, views - 1));
+  const auto before = [&](double x) {
+    return std::clamp(static_cast<int>(std::floor((x + 1) / 2 * (views - 1))), 0, views - 2);
   };
-  return node(place.y()) * static_cast<std::size_t>(views) + node(place.x());
+  const int column = before(place.x()), row = before(place.y());
+  std::size_t best = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  // The square isn't the sphere: of the four around the place.
+  for (int k = 0; k < 4; ++k) {
+    const int i = column + k % 2, j = row + k / 2;
+    const double cosine = octahedral_direction(node_place(i, j, views)).dot(direction);
+    if (cosine <= most) continue;
+    most = cosine;
+    best = static_cast<std::size_t>(j * views + i);
+  }
+  return best;
 }
 
 BillboardCloud octahedral_impostor(const PolygonSoup& model, int views) {
@@ -50,7 +66,7 @@ BillboardCloud octahedral_impostor(const PolygonSoup& model, int views) {
   cloud.is_two_sided = cloud.is_impostor = true;
   for (int j = 0; j < views; ++j) {
     for (int i = 0; i < views; ++i) {
-      const Vec3 normal = octahedral_direction(Vec2(2.0 * i / (views - 1) - 1, 2.0 * j / (views - 1) - 1));
+      const Vec3 normal = octahedral_direction(node_place(i, j, views));
       Billboard billboard = detail::billboard_facing(faces, all, normal, true);
       if (billboard.normal().dot(normal) < 0) billboard.axis_v = -billboard.axis_v;
       cloud.error = std::max(cloud.error, billboard.error);

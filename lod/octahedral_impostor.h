@@ -19,7 +19,8 @@ BillboardCloud octahedral_impostor(const PolygonSoup& model, int views = 8);
 BillboardTextures octahedral_impostor_within(const PolygonSoup& model, std::size_t bytes, int views = 8,
                                              Progress* progress = nullptr);
 
-/// The number of the node that is nearest to a direction of any length but 0, on the octahedron.
+/// The number of the node nearest to a direction of any length but 0, of the four around it on the
+/// octahedron.
 std::size_t octahedral_view(const Vec3& direction, int views);
 
 }  // namespace recede

@@ -172,8 +172,8 @@ TEST(OctahedralImpostor, ChoosesAViewThatIsNear) {
     double best = -1;
     for (const Billboard& billboard : cloud.billboards)
       best = std::max(best, billboard.normal().dot(direction));
-    // Rounding in the square isn't rounding on the sphere.
-    EXPECT_GT(chosen.normal().dot(direction), best - 0.03);
+    // Cells of the octahedron are askew on the sphere, so that a node of another one may be nearer.
+    EXPECT_GT(chosen.normal().dot(direction), best - 0.02);
   }
 }
 
