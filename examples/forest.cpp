@@ -71,7 +71,7 @@ std::size_t choose_cloud(const std::vector<std::shared_ptr<const BillboardTextur
 void draw_forest(const char* file, int n_along) {
   const PolygonSoup tree = make_tree();
   const auto clouds = clouds_of(tree);
-  Camera camera{.position = {0, 26, 40}, .target = {0, 6, -70}, .width = 960, .height = 480};
+  Camera camera{.position = {0, 26, 40}, .target = {0, 6, -70}, .width = 880, .height = 440};
   const CameraFrame frame = frame_of(camera);
   std::vector<PlacedBillboards> forest;
   for (const auto& cloud : clouds) forest.push_back({cloud, {}});
@@ -98,7 +98,7 @@ void draw_forest(const char* file, int n_along) {
   }
   std::cout << fmt::format("{} trees of {} billboards; ready in {:.2g} s, drawn in {:.2g} s\n", n_trees,
                            n_billboards, building, seconds_since(first));
-  write_png(file, picture);
+  write_png(file, shrink(picture, 2));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "run_recede.h"
 #include "temp_folder.h"
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/raster.h>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
