@@ -1,9 +1,11 @@
 #include "billboard_models.h"
 #include "billboard_run.h"
+#include <recede/geometry/atomic_file.h>
 #include <recede/render/renderer.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -12,7 +14,7 @@ namespace recede::bench {
 namespace {
 
 constexpr double k_share = 0.01;  // of the longest side: the error
-constexpr int k_panel = 256, k_gap = 4, k_enlarged = 2, k_samples = 32;
+constexpr int k_panel = 240, k_enlarged = 2, k_samples = 32;
 constexpr double k_texels_per_error = 2;
 
 /// Every billboard in a colour of its own; what is transparent stays so.
@@ -45,24 +47,63 @@ Image enlarged(const Image& image, int factor) {
   return result;
 }
 
-/// Shades that a picture needs not have: its file is a third smaller without them.
-Rgb rounded(const Rgb& color) {
-  constexpr float k_steps = 24;
-  return color.unaryExpr(
-      [](float value) { return decode_srgb(std::round(k_steps * encode_srgb(value)) / k_steps); });
+/// A PNG file small enough for a page: with as many shades as it takes.
+std::string encoded(const Image& image) {
+  constexpr std::size_t k_most_bytes = 145'000;
+  std::string file = encode_png(image);
+  for (float steps = 48; file.size() > k_most_bytes && steps > 8; steps -= 4) {
+    Image rounded = image;
+    for (Rgb& pixel : rounded.pixels) {
+      pixel = pixel.unaryExpr(
+          [&](float value) { return decode_srgb(std::round(steps * encode_srgb(value)) / steps); });
+    }
+    file = encode_png(rounded);
+  }
+  return file;
 }
 
-Image montage(const std::array<std::array<Image, 3>, 2>& rows) {
-  Image result(3 * (k_panel + k_gap) - k_gap, 2 * (k_panel + k_gap) - k_gap, Rgb::Ones());
-  for (std::size_t row = 0; row < 2; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      const Image& from = rows[row][column];
-      const int left = static_cast<int>(column) * (k_panel + k_gap),
-                top = static_cast<int>(row) * (k_panel + k_gap);
-      for (int y = 0; y < k_panel; ++y) {
-        for (int x = 0; x < k_panel; ++x) result.at(left + x, top + y) = rounded(from.at(x, y));
+using Panels = std::array<Image, 3>;
+
+bool is_empty(const Panels& row, int x, int y) {
+  return std::all_of(row.begin(), row.end(),
+                     [&](const Image& image) { return image.at(x, y).minCoeff() >= 1; });
+}
+
+/// The same part of all three: without what is white in all of them, but for a border.
+Panels trimmed(const Panels& row) {
+  constexpr int k_border = 6;
+  Eigen::AlignedBox2i used;
+  for (int y = 0; y < row[0].height; ++y) {
+    for (int x = 0; x < row[0].width; ++x) {
+      if (!is_empty(row, x, y)) used.extend(Eigen::Vector2i(x, y));
+    }
+  }
+  if (used.isEmpty()) return row;
+  Panels result;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    result[i] = Image(used.sizes().x() + 1 + 2 * k_border, used.sizes().y() + 1 + 2 * k_border, Rgb::Ones());
+    for (int y = used.min().y(); y <= used.max().y(); ++y) {
+      for (int x = used.min().x(); x <= used.max().x(); ++x)
+        result[i].at(x - used.min().x() + k_border, y - used.min().y() + k_border) = row[i].at(x, y);
+    }
+  }
+  return result;
+}
+
+/// Panels of both rows above one another, in the middle of columns as wide as the wider.
+Image montage(const Panels& above, const Panels& below) {
+  const int width = std::max(above[0].width, below[0].width);
+  Image result(3 * width, above[0].height + below[0].height, Rgb::Ones());
+  int top = 0;
+  for (const Panels* row : {&above, &below}) {
+    for (std::size_t i = 0; i < row->size(); ++i) {
+      const Image& panel = (*row)[i];
+      const int left = static_cast<int>(i) * width + (width - panel.width) / 2;
+      for (int y = 0; y < panel.height; ++y) {
+        for (int x = 0; x < panel.width; ++x) result.at(left + x, top + y) = panel.at(x, y);
       }
     }
+    top += (*row)[0].height;
   }
   return result;
 }
@@ -102,12 +143,13 @@ std::string billboard_pictures(const BenchOptions& options) {
     const Camera near = near_camera(model, upwards(model.name));
     const Camera far = far_camera(model, near, k_share * model.size());
     const RenderOptions drawn{.samples_per_pixel = k_samples, .background = Rgb::Ones()};
-    std::array<std::array<Image, 3>, 2> rows;
+    Panels above, below;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-      rows[0][i] = render(scenes[i], near, drawn);
-      rows[1][i] = enlarged(render(scenes[i], far, drawn), k_enlarged);
+      above[i] = render(scenes[i], near, drawn);
+      below[i] = enlarged(render(scenes[i], far, drawn), k_enlarged);
     }
-    write_png(options.out / fmt::format("billboards-{}.png", model.name), montage(rows));
+    write_file_atomically(options.out / fmt::format("billboards-{}.png", model.name),
+                          encoded(montage(trimmed(above), trimmed(below))));
     text += fmt::format("| {} | {} | {} |\n", model.name, textures.billboards.size(), textures.n_texels());
   }
   return text;

@@ -51,7 +51,23 @@ struct Cell {
   }
 };
 
-using Corners = std::array<Vec3, 4>;  // of a cell's directions
+/// Directions that all cells of one after the other offset share.
+struct Column {
+  std::array<Vec3, 4> corners;
+  Vec3 middle;
+};
+
+Column column_of(const Cell& cell) {
+  const Vec3 &a = cell.low, b = cell.low + cell.sides;
+  return {{direction_of(a.x(), a.y()), direction_of(b.x(), a.y()), direction_of(a.x(), b.y()),
+           direction_of(b.x(), b.y())},
+          cell.middle().normal};
+}
+
+/// Along each axis: of a cell and its neighbours.
+constexpr int k_first_part = -2;
+constexpr std::size_t k_parts = 6;
+using Densities = std::array<double, k_parts>;
 
 class HoughPlanes {
  public:
@@ -60,9 +76,10 @@ class HoughPlanes {
     double farthest = 0;
     for (const Index corner : faces.corners) farthest = std::max(farthest, faces.points[corner].norm());
     n_offsets_ = static_cast<std::size_t>(std::ceil((farthest + error) / error));
-    const std::size_t n = options.around * options.upwards * n_offsets_;
-    density_.assign(n, 0.0);
-    valid_.assign(n, 0);
+    for (std::size_t column = 0; column < options.around * options.upwards; ++column)
+      columns_.push_back(column_of(cell_at(column, 0)));
+    density_.assign(columns_.size() * n_offsets_, 0.0);
+    valid_.assign(density_.size(), 0);
     for (Index face = 0; face < faces.count(); ++face) add(face, 1);
   }
 
@@ -91,11 +108,11 @@ class HoughPlanes {
 
  private:
   // Offsets of planes with some direction of a cell that are near to all points of a face.
-  Interval offsets_near(Index face, const Corners& directions) const {
+  Interval offsets_near(Index face, const Column& column) const {
     Interval offsets{-k_infinity, k_infinity};
     for (const Index corner : faces_.corners_of(face)) {
       Interval at;
-      for (const Vec3& direction : directions) {
+      for (const Vec3& direction : column.corners) {
         at.low = std::min(at.low, faces_.points[corner].dot(direction));
         at.high = std::max(at.high, faces_.points[corner].dot(direction));
       }
@@ -105,30 +122,24 @@ class HoughPlanes {
     return offsets;
   }
 
-  static Corners directions_of(const Cell& cell) {
-    const Vec3 &a = cell.low, b = cell.low + cell.sides;
-    return {direction_of(a.x(), a.y()), direction_of(b.x(), a.y()), direction_of(a.x(), b.y()),
-            direction_of(b.x(), b.y())};
-  }
-
   double area_along(Index face, const Vec3& normal) const {
     return faces_.moments[face].area * std::abs(faces_.normals[face].dot(normal));
   }
 
-  Cell cell_at(std::size_t around, std::size_t upwards, std::size_t offset) const {
+  Cell cell_at(std::size_t column, std::size_t offset) const {
     const Vec3 sides(2 * k_pi / static_cast<double>(options_.around),
                      k_pi / static_cast<double>(options_.upwards), error_);
-    const Vec3 at(static_cast<double>(around), static_cast<double>(upwards), static_cast<double>(offset));
+    const Vec3 at(static_cast<double>(column / options_.upwards),
+                  static_cast<double>(column % options_.upwards), static_cast<double>(offset));
     return {Vec3(0, -k_pi / 2, 0) + at.cwiseProduct(sides), sides};
   }
 
   // To the cells that are valid for a face, and against those that miss it.
   void add(Index face, int sign) {
-    for (std::size_t column = 0; column < options_.around * options_.upwards; ++column) {
-      const Cell cell = cell_at(column / options_.upwards, column % options_.upwards, 0);
-      const Interval near = offsets_near(face, directions_of(cell));
+    for (std::size_t column = 0; column < columns_.size(); ++column) {
+      const Interval near = offsets_near(face, columns_[column]);
       if (!(near.low < near.high)) continue;
-      const double area = sign * area_along(face, cell.middle().normal);
+      const double area = sign * area_along(face, columns_[column].middle);
       const double reach = options_.missed_reach * error_;
       const auto first = static_cast<std::size_t>(std::max(0.0, std::floor((near.low - reach) / error_)));
       for (std::size_t i = first; i < n_offsets_; ++i) {
@@ -149,8 +160,7 @@ class HoughPlanes {
       most = density_[i];
       best = i;
     }
-    const std::size_t column = best / n_offsets_;
-    return cell_at(column / options_.upwards, column % options_.upwards, best % n_offsets_);
+    return cell_at(best / n_offsets_, best % n_offsets_);
   }
 
   std::vector<Index> uncovered() const {
@@ -162,49 +172,65 @@ class HoughPlanes {
   }
 
   std::vector<Index> valid_for(const Cell& cell, const std::vector<Index>& members) const {
-    const Corners directions = directions_of(cell);
+    const Column column = column_of(cell);
     std::vector<Index> valid;
     for (const Index face : members) {
-      if (offsets_near(face, directions).overlaps(cell.low.z(), cell.low.z() + cell.sides.z()))
+      if (offsets_near(face, column).overlaps(cell.low.z(), cell.low.z() + cell.sides.z()))
         valid.push_back(face);
     }
     return valid;
   }
 
-  double density_of(const Cell& cell, const std::vector<Index>& members) const {
-    const Corners directions = directions_of(cell);
-    const Vec3 normal = cell.middle().normal;
-    const double reach = options_.missed_reach * error_;
-    const double from = cell.low.z(), to = from + cell.sides.z();
-    double density = 0;
-    bool is_empty = true;
+  // Of parts of a cell with the same directions: minus infinity where no face is valid.
+  Densities densities_of(const Cell& cell, int x, int y, const std::vector<Index>& members) const {
+    const Column column = column_of(cell.part(x, y, 0));
+    const double reach = options_.missed_reach * error_, side = cell.sides.z() / 2;
+    Densities densities{};
+    std::array<bool, k_parts> is_valid{};
     for (const Index face : members) {
-      const Interval near = offsets_near(face, directions);
+      const Interval near = offsets_near(face, column);
       if (!(near.low < near.high)) continue;
-      if (near.overlaps(from, to)) {
-        density += area_along(face, normal);
-        is_empty = false;
-      } else if (to >= near.low - reach && from < near.low) {
-        density -= options_.penalty * area_along(face, normal);
+      const double area = area_along(face, column.middle);
+      for (std::size_t z = 0; z < k_parts; ++z) {
+        const double from = cell.low.z() + (static_cast<double>(z) + k_first_part) * side, to = from + side;
+        if (near.overlaps(from, to)) {
+          densities[z] += area;
+          is_valid[z] = true;
+        } else if (to >= near.low - reach && from < near.low) {
+          densities[z] -= options_.penalty * area;
+        }
       }
     }
-    return is_empty ? -k_infinity : density;
+    for (std::size_t z = 0; z < k_parts; ++z) {
+      if (!is_valid[z]) densities[z] = -k_infinity;
+    }
+    return densities;
+  }
+
+  std::optional<Cell> densest_part(const Cell& cell, const std::vector<Index>& members) const {
+    std::optional<Cell> best;
+    double most = -k_infinity;
+    constexpr int k_end = k_first_part + static_cast<int>(k_parts);
+    for (int x = k_first_part; x < k_end; ++x) {
+      for (int y = k_first_part; y < k_end; ++y) {
+        const Densities densities = densities_of(cell, x, y, members);
+        for (int z = k_first_part; z < k_end; ++z) {
+          const Cell part = cell.part(x, y, z);
+          const double density = densities[static_cast<std::size_t>(z - k_first_part)];
+          if (density <= most || !part.is_within_domain()) continue;
+          most = density;
+          best = part;
+        }
+      }
+    }
+    return best;
   }
 
   Plane refined(Cell cell, std::vector<Index> members) const {
     constexpr int k_most_halvings = 12;  // a cell is then far below what the error can tell
     for (int halving = 0; halving < k_most_halvings; ++halving) {
       if (is_near_to_all(cell.middle(), members)) return cell.middle();
-      std::optional<Cell> best;
-      double most = -k_infinity;
-      for (int i = 0; i < 216; ++i) {
-        const Cell part = cell.part(i % 6 - 2, i / 6 % 6 - 2, i / 36 - 2);
-        if (!part.is_within_domain()) continue;
-        const double density = density_of(part, members);
-        if (density <= most) continue;
-        most = density;
-        best = part;
-      }
+      const std::optional<Cell> best = densest_part(cell, members);
       std::vector<Index> valid;
       if (best) valid = valid_for(*best, members);
       if (valid.empty()) return least_squares(members);
@@ -254,7 +280,8 @@ class HoughPlanes {
   HoughOptions options_;
   double error_;
   std::size_t n_offsets_ = 0;
-  std::vector<double> density_;  // by direction and offset
+  std::vector<Column> columns_;
+  std::vector<double> density_;  // by column and offset
   std::vector<int> valid_;       // faces
   std::vector<unsigned char> is_covered_;
 };
