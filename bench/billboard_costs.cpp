@@ -98,9 +98,10 @@ BillboardSection measure_billboard_growth(const BenchOptions& options) {
       "processors | "
       "textures, s | MB at most |\n|---|---|---|---|---|---|\n";
   for (const bool are_leaves : {false, true}) {
-    for (const std::size_t faces : {10'000, 30'000, 100'000, 300'000, 1'000'000}) {
+    for (const std::size_t faces : {10'000u, 30'000u, 100'000u, 300'000u, 1'000'000u}) {
       if (options.quick && faces > 100'000) continue;
       const std::string name = fmt::format("{}, {} faces", are_leaves ? "loose leaves" : "sphere", faces);
+      if (!is_wanted(name, options.models)) continue;
       const std::size_t repeats = faces > 100'000 ? 1 : options.repeats;
       const ChildAnswer answer = run_in_child(
           [&] {
