@@ -111,6 +111,7 @@ BillboardSection measure_billboard_counts(const BenchOptions& options) {
                                 {"texels", count_texels(cloud)},
                                 {"distance_over_error", check.distance},
                                 {"deviation", check.deviation},
+                                {"bent_faces", check.bent},
                                 {"uncovered", check.uncovered},
                                 {"repeated", check.repeated}});
       }

@@ -12,6 +12,22 @@ bool CloudCheck::is_sound(double largest_deviation) const {
          repeated == 0;
 }
 
+namespace {
+
+// Half of the depth of a face along its normal.
+double bend_of(const PolygonSoup& model, Index face, const Vec3& normal) {
+  const Vec3& first = model.positions[model.face(face).front()];
+  double low = 0, high = 0;
+  for (const Index corner : model.face(face)) {
+    const double at = (model.positions[corner] - first).dot(normal);
+    low = std::min(low, at);
+    high = std::max(high, at);
+  }
+  return (high - low) / 2;
+}
+
+}  // namespace
+
 CloudCheck check_cloud(const PolygonSoup& model, const BillboardCloud& cloud, bool is_two_sided) {
   CloudCheck check;
   std::vector<unsigned> uses(model.n_faces(), 0);
@@ -19,9 +35,11 @@ CloudCheck check_cloud(const PolygonSoup& model, const BillboardCloud& cloud, bo
     const Vec3 normal = billboard.normal();
     for (const Index face : billboard.faces) {
       ++uses[face];
-      const double cosine = vector_area(model, face).normalized().dot(normal);
-      check.deviation = std::max(check.deviation,
-                                 std::acos(std::clamp(is_two_sided ? std::abs(cosine) : cosine, -1.0, 1.0)));
+      const Vec3 of_face = vector_area(model, face).normalized();
+      const double cosine = is_two_sided ? std::abs(of_face.dot(normal)) : of_face.dot(normal);
+      const bool is_bent = bend_of(model, face, of_face) > cloud.error;
+      check.bent += is_bent ? 1 : 0;
+      if (!is_bent) check.deviation = std::max(check.deviation, std::acos(std::clamp(cosine, -1.0, 1.0)));
       for (const Index corner : model.face(face)) {
         const double distance = std::abs((model.positions[corner] - billboard.center).dot(normal));
         check.distance = std::max(check.distance, distance / cloud.error);
