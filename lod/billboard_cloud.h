@@ -46,8 +46,7 @@ struct BillboardOptions {
   /// Of the clouds, finest first, in units of the model. None: 0.5, 1, 2 and 4 % of the longest side of its
   /// box.
   std::vector<double> errors;
-  /// Between faces and their billboard, so that it is seen where they are. Of clusters and simplification. A
-  /// polygon that is bent by more than the error may be turned farther from its billboard.
+  /// Between faces and their billboard, so that it is seen where they are. Of clusters and simplification.
   double largest_deviation = std::numbers::pi / 3;
   /// Area of a billboard over that of its faces, for those of more than one. Of clusters.
   double largest_waste = 3;
