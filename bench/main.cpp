@@ -1,6 +1,7 @@
 // recede_bench: simplification measured, ours beside the peers, on the same inputs in one run.
 #include "appearance_run.h"
 #include "bench_report.h"
+#include "billboard_run.h"
 #ifdef RECEDE_BENCH_CAD
 #include "cad_run.h"
 #endif
@@ -25,8 +26,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
   bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false, displaced = false,
-       dicing = false, appearance = false;
-  [[maybe_unused]] bool cad = false, pictures = false;
+       dicing = false, appearance = false, billboards = false, pictures = false;
+  [[maybe_unused]] bool cad = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
   app.add_flag("--same-bytes", same_bytes, "instead, fingerprints of our results for one and two threads");
@@ -39,17 +40,20 @@ int main(int argc, char** argv) {
   app.add_flag("--dicing", dicing, "instead, displaced surfaces diced for views");
   app.add_flag("--appearance", appearance, "instead, reliefs from afar beside rays that meet them");
 #ifdef RECEDE_BENCH_CAD
-  CLI::Option* const of_cad =
-      app.add_flag("--cad", cad, "instead, triangles of CAD models beside those of OpenCASCADE's BRepMesh");
-  app.add_flag("--pictures", pictures, "instead of its tables, pictures from four distances and plots")
-      ->needs(of_cad);
+  app.add_flag("--cad", cad, "instead, triangles of CAD models beside those of OpenCASCADE's BRepMesh");
 #endif
+  app.add_flag("--billboards", billboards,
+               "instead, billboard clouds beside those of a Hough transform: texels, outlines, light, cost");
+  app.add_flag("--pictures", pictures, "pictures of --cad or --billboards instead of their tables");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
-  app.add_option("--filter", options.systems, "only systems whose name this regular expression finds");
+  app.add_option("--filter", options.systems,
+                 "only systems, or sections of --billboards, whose name this regular expression finds");
   app.add_option("--models", options.models, "only models or hard cases whose name this expression finds");
   CLI11_PARSE(app, argc, argv);
   try {
+    if (pictures && !cad && !billboards)
+      throw recede::OptionError("--pictures goes with --cad or --billboards");
     if (hard_cases) {
       recede::bench::write_hard_cases(recede::bench::run_hard_cases(options), options.out);
       return 0;
@@ -68,6 +72,11 @@ int main(int argc, char** argv) {
     }
     if (appearance) {
       fmt::print("{}", recede::bench::appearance_tables(options));
+      return 0;
+    }
+    if (billboards) {
+      fmt::print("{}", pictures ? recede::bench::billboard_pictures(options)
+                                : recede::bench::billboard_tables(options));
       return 0;
     }
 #ifdef RECEDE_BENCH_CAD
