@@ -79,14 +79,20 @@ BillboardRays::~BillboardRays() {
 }
 
 std::optional<BillboardSample> BillboardRays::sample(std::size_t number, const Vec2& at) const {
+  return sample_towards(number, at, cloud_.billboards[number].normal());
+}
+
+std::optional<BillboardSample> BillboardRays::sample_towards(std::size_t number, const Vec2& at,
+                                                             const Vec3& viewer) const {
   // Room for the rounding to float, where faces lie in the plane itself.
   constexpr double k_room = 1e-5;
   const Billboard& billboard = cloud_.billboards[number];
   const Vec3 front = billboard.normal();
-  const double reach = std::max(cloud_.error, billboard.error) * scale_ + k_room;
+  const double rise = front.dot(viewer);  // by which a ray leaves the plane
+  const double reach = (std::max(cloud_.error, billboard.error) * scale_ + k_room) / std::abs(rise);
   const Vec3 place =
       (billboard.center + at.x() * billboard.axis_u + at.y() * billboard.axis_v - center_) * scale_;
-  const Eigen::Vector3f origin = (place + reach * front).cast<float>(), direction = (-front).cast<float>();
+  const Eigen::Vector3f origin = (place + reach * viewer).cast<float>(), direction = (-viewer).cast<float>();
   FaceChoice choice;
   rtcInitIntersectContext(&choice.embree);
   choice.embree.filter = choose_face;
@@ -113,12 +119,13 @@ std::optional<BillboardSample> BillboardRays::sample(std::size_t number, const V
   const TrianglePlace hit{ray.hit.primID, Vec3(1 - u - v, u, v)};
   BillboardSample sample;
   sample.is_own = cloud_.is_impostor || billboard_of_[hit.triangle] == number;
-  sample.height = (reach - static_cast<double>(ray.ray.tfar)) / scale_;
+  sample.place = hit;
+  sample.height = (reach - static_cast<double>(ray.ray.tfar)) * rise / scale_;
   sample.color = attributes_.color_at(hit);
   sample.normal = attributes_.normal_at(hit);
   // Both sides look alike; normals of the soup need not be on the front of their face.
   const Vec3 face =
-      normals_[hit.triangle].dot(front) < 0 ? Vec3(-normals_[hit.triangle]) : normals_[hit.triangle];
+      normals_[hit.triangle].dot(viewer) < 0 ? Vec3(-normals_[hit.triangle]) : normals_[hit.triangle];
   if (sample.normal.dot(face) < 0) sample.normal = -sample.normal;
   return sample;
 }

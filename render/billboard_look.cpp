@@ -16,6 +16,17 @@ struct BillboardLook::LocalRay {
   Vec3 origin, direction;
 };
 
+namespace {
+
+// What shows less lets rays pass.
+constexpr float k_least_opacity = 0.5f;
+
+}  // namespace
+
+Vec3 BillboardLook::Frame::toward_viewer(const LocalRay& ray) const {
+  return {-ray.direction.x() * texel_u, ray.direction.y() * texel_v, -ray.direction.z()};
+}
+
 BillboardLook::BillboardLook(const PlacedBillboards& placed, const Vec3& center, double scale) {
   const BillboardTextures& textures = *placed.textures;
   row_ = static_cast<std::size_t>(textures.color.width);
@@ -42,6 +53,12 @@ BillboardLook::BillboardLook(const PlacedBillboards& placed, const Vec3& center,
       color[k] = static_cast<std::uint8_t>(textures.color.samples[4 * i + k]);
       normal[k] = static_cast<std::uint8_t>(textures.normal.samples[3 * i + k]);
     }
+  }
+  if (placed.reflectance) {
+    if (placed.reflectance->width != textures.color.width ||
+        placed.reflectance->height != textures.color.height)
+      throw InputError("the reflectance isn't one of these billboards");
+    tables_.emplace(placed.reflectance);
   }
   const Eigen::Affine3d scene = Eigen::Scaling(scale) * Eigen::Translation3d(-center);
   for (const Eigen::Affine3d& placement : placed.placements) {
@@ -137,9 +154,70 @@ int roots_of(double a, double b, double c, std::array<double, 2>& roots) {
 
 }  // namespace
 
+/// The opacity at a place; `toward_viewer` is along the billboard's axes and normal, of any length.
+float BillboardLook::see(const Frame& frame, float x, float y, const Vec3& toward_viewer,
+                         BillboardView& view) const {
+  const BillboardReflectance& reflectance = *tables_->reflectance;
+  const bool is_back = reflectance.is_two_sided && toward_viewer.z() < 0;
+  const Vec3 turned =
+      is_back ? Vec3(-toward_viewer.x(), toward_viewer.y(), -toward_viewer.z()) : toward_viewer;
+  const std::uint32_t* vectors =
+      reflectance.vectors.data() + (is_back ? reflectance.vectors.size() / 2 : std::size_t{0});
+  const Cell cell = cell_at(frame, x, y);
+  const std::array<float, 4> weights{(1 - cell.u) * (1 - cell.v), cell.u * (1 - cell.v),
+                                     (1 - cell.u) * cell.v, cell.u * cell.v};
+  view.tables = &*tables_;
+  view.views = tables_->views.mix(turned.normalized());
+  float opacity = 0;
+  for (std::size_t t = 0; t < 4; ++t) {
+    view.vectors[t] = vectors[cell.texels[t]];
+    view.shares[t].fill(0);
+    if (view.vectors[t] == BillboardReflectance::k_none) continue;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const std::uint8_t covered = reflectance.opacity[view.vectors[t] * tables_->views.size() +
+                                                       static_cast<std::size_t>(view.views.nodes[v])];
+      view.shares[t][v] =
+          weights[t] * static_cast<float>(view.views.weights[v]) * static_cast<float>(covered) / 255.0f;
+      opacity += view.shares[t][v];
+    }
+  }
+  if (opacity > 0) {
+    for (std::array<float, 4>& shares : view.shares) {
+      for (float& share : shares) share /= opacity;
+    }
+  }
+  return opacity;
+}
+
+// With reflectance billboards are flat: its values are by where rays go through the plane.
+bool BillboardLook::cross_plane(const Frame& frame, const LocalRay& ray, double least, double most,
+                                Crossing& crossing) const {
+  const double distance = -ray.origin.z() / ray.direction.z();
+  if (!(distance >= least && distance <= most)) return false;  // nor along the plane
+  const Vec3 at = ray.origin + distance * ray.direction;
+  if (!(at.x() >= 0 && at.x() <= frame.width && at.y() >= 0 && at.y() <= frame.height)) return false;
+  crossing.distance = distance;
+  crossing.x = static_cast<float>(at.x());
+  crossing.y = static_cast<float>(at.y());
+  crossing.front = frame.normal.cast<float>();
+  BillboardView view;
+  return see(frame, crossing.x, crossing.y, frame.toward_viewer(ray), view) >= k_least_opacity;
+}
+
+BillboardView BillboardLook::view_of(const Hit& hit, const Vec3f& direction) const {
+  const Frame& frame = frame_of(hit.part.primitive);
+  const Vec3 viewer = frame.toward_viewer(local_ray(hit.part.primitive, hit.origin, direction));
+  BillboardView view;
+  see(frame, hit.u, hit.v, viewer, view);
+  const double sign = tables_->reflectance->is_two_sided && viewer.z() < 0 ? -1 : 1;
+  Eigen::Matrix3d axes;
+  axes << sign * frame.axis_u, frame.axis_v, sign * frame.normal;
+  view.to_side = axes.transpose() * to_model_[hit.part.primitive / frames_.size()].linear();
+  return view;
+}
+
 bool BillboardLook::cross_cell(const Frame& frame, const LocalRay& ray, int column, int row, double from,
                                double to, Crossing& crossing) const {
-  constexpr float k_least_opacity = 0.5f;
   // Beyond the outer middles heights go on as before them: surfaces of neighbours meet there.
   column = std::clamp(column, 0, std::max(0, frame.width - 2));
   row = std::clamp(row, 0, std::max(0, frame.height - 2));
@@ -186,11 +264,21 @@ bool BillboardLook::faces_best(std::uint32_t primitive, const Vec3f& direction) 
   return octahedral_view(toward, views_) == primitive % frames_.size();
 }
 
+void BillboardLook::turn_to_scene(std::uint32_t primitive, Vec3f& normal) const {
+  const Eigen::Matrix3d turn = to_model_[primitive / frames_.size()].linear().transpose();
+  normal = turn.cast<float>() * normal;
+}
+
 bool BillboardLook::first_crossing(std::uint32_t primitive, const Vec3f& origin, const Vec3f& direction,
                                    double least, double most, Crossing& crossing) const {
   if (views_ > 0 && !faces_best(primitive, direction)) return false;
   const Frame& frame = frame_of(primitive);
   const LocalRay ray = local_ray(primitive, origin, direction);
+  if (tables_) {
+    if (!cross_plane(frame, ray, least, most, crossing)) return false;
+    turn_to_scene(primitive, crossing.front);
+    return true;
+  }
   const double reach = k_height_room * range_;
   double from = least, to = most;
   if (!clip(ray.origin.z(), ray.direction.z(), -reach, reach, from, to) ||
@@ -207,8 +295,7 @@ bool BillboardLook::first_crossing(std::uint32_t primitive, const Vec3f& origin,
                  over_y = exit_of(ray.origin.y(), ray.direction.y(), row, to);
     const double end = std::max(from, std::min({over_x, over_y, to}));
     if (cross_cell(frame, ray, column, row, from, end, crossing)) {
-      const Eigen::Matrix3d turn = to_model_[primitive / frames_.size()].linear().transpose();
-      crossing.front = turn.cast<float>() * crossing.front;
+      turn_to_scene(primitive, crossing.front);
       return true;
     }
     if (end >= to) return false;
@@ -268,7 +355,7 @@ void bound_billboard(const RTCBoundsFunctionArguments* arguments) {
 
 bool cross(const BillboardLook& look, const RayContext& context, unsigned object, unsigned primitive,
            RTCRayN* rays, unsigned n, unsigned k, BillboardLook::Crossing& crossing) {
-  if (context.from.object == object && context.from.primitive == primitive) return false;
+  if (context.from.object == object && look.is_passed(context.from.primitive, primitive)) return false;
   const Vec3f origin(RTCRayN_org_x(rays, n, k), RTCRayN_org_y(rays, n, k), RTCRayN_org_z(rays, n, k)),
       direction(RTCRayN_dir_x(rays, n, k), RTCRayN_dir_y(rays, n, k), RTCRayN_dir_z(rays, n, k));
   const auto least = static_cast<double>(RTCRayN_tnear(rays, n, k)),

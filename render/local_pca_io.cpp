@@ -1,6 +1,7 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/render/detail/half_numbers.h>
+#include <recede/render/detail/local_pca_bytes.h>
 #include <recede/render/detail/number_bytes.h>
 #include <recede/render/local_pca.h>
 
@@ -80,12 +81,13 @@ Counts read_counts(Numbers& numbers) {
 
 std::size_t bytes(const LocalPca& pca) { return counts_of(pca).bytes(); }
 
-void write_local_pca(const std::filesystem::path& path, const LocalPca& pca) {
+namespace detail {
+
+std::string bytes_of(const LocalPca& pca, const std::string& name) {
   const Counts counts = counts_of(pca);
   if (counts.vectors == 0 || counts.parts() == 0 || pca.parts.size() != counts.parts() ||
       pca.weights.size() != counts.vectors * counts.components)
-    throw InputError::in_file(path.string(),
-                              "the clusters must have all their parts, and each vector its weights");
+    throw InputError::in_file(name, "the clusters must have all their parts, and each vector its weights");
   std::string bytes(k_head);
   bytes.reserve(counts.bytes());
   append_bytes(bytes, counts.dimension);
@@ -102,12 +104,11 @@ void write_local_pca(const std::filesystem::path& path, const LocalPca& pca) {
     for (std::uint32_t c = 0; c < counts.components; ++c)
       append_bytes(bytes, detail::to_half(pca.weights[vector * counts.components + c]));
   }
-  write_file_atomically(path, bytes);
+  return bytes;
 }
 
-LocalPca read_local_pca(const std::filesystem::path& path) {
-  const std::string bytes = read_whole_file(path), name = path.string();
-  if (!std::string_view(bytes).starts_with(k_head) || bytes.size() < k_start)
+LocalPca local_pca_of(std::string_view bytes, const std::string& name) {
+  if (!bytes.starts_with(k_head) || bytes.size() < k_start)
     throw InputError::in_file(name, "this is no local PCA");
   Numbers numbers(bytes, name);
   const Counts counts = read_counts(numbers);
@@ -128,6 +129,16 @@ LocalPca read_local_pca(const std::filesystem::path& path) {
     for (std::uint32_t c = 0; c < counts.components; ++c) pca.weights.push_back(numbers.next_half());
   }
   return pca;
+}
+
+}  // namespace detail
+
+void write_local_pca(const std::filesystem::path& path, const LocalPca& pca) {
+  write_file_atomically(path, detail::bytes_of(pca, path.string()));
+}
+
+LocalPca read_local_pca(const std::filesystem::path& path) {
+  return detail::local_pca_of(read_whole_file(path), path.string());
 }
 
 }  // namespace recede

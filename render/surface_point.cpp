@@ -2,6 +2,7 @@
 #include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/surface_point.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -62,6 +63,10 @@ void set_appearance(const DisplacedLook& look, const Hit& base_hit, const Vec3f&
 SurfaceLook look_of_billboard(const BillboardLook& billboards, const Hit& hit, const Vec3f& direction) {
   SurfaceLook look{billboards.normal_at(hit), billboards.color_at(hit)};
   if (hit.front.dot(direction) > 0) look.normal = -look.normal;
+  if (billboards.has_reflectance()) {
+    look.billboard = billboards.view_of(hit, direction);
+    look.albedo = look.billboard.albedo();
+  }
   return look;
 }
 
@@ -98,6 +103,12 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
 }
 
 double facing(const SurfaceLook& look, const Vec3& toward_light) {
+  if (look.billboard.tables != nullptr) {
+    // Over the albedo, of all colours together.
+    const double all = static_cast<double>(look.albedo.sum());
+    return all > 0 ? std::numbers::pi * static_cast<double>(look.billboard.value(toward_light).sum()) / all
+                   : 0;
+  }
   const double by_normal = std::max(0.0, look.normal.cast<double>().dot(toward_light));
   const MethodLook& method = look.method;
   if (method.appearance == nullptr) return by_normal;
@@ -148,7 +159,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
     constexpr double k_texels_off = 1.5;
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();
-    off = k_texels_off * mesh.billboards->texel(hit.part.primitive);
+    if (!mesh.billboards->has_reflectance()) off = k_texels_off * mesh.billboards->texel(hit.part.primitive);
   } else if (mesh.displaced && !is_on_base(hit)) {
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();
@@ -164,6 +175,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
   if (!(point.normal.squaredNorm() > 0.5)) point.normal = point.geometric_normal;
   point.albedo = look.albedo;
   point.method = look.method;
+  point.billboard = look.billboard;
   point.target = {shares.is_on_base() ? SurfaceShape::base : SurfaceShape::displaced,
                   static_cast<float>(shares.displaced)};
   point.start = (point.position + off * point.geometric_normal).cast<float>();
@@ -208,14 +220,30 @@ Vec3 cosine_direction(const Vec3& normal, const Vec2& random) {
       .normalized();
 }
 
+// For reflectance of billboards, which may be anything.
+constexpr double k_sphere_density = 1 / (4 * std::numbers::pi);
+
+Vec3 sphere_direction(const Vec2& random) {
+  const double z = 1 - 2 * random.x(), angle = 2 * std::numbers::pi * random.y();
+  const double radius = std::sqrt(std::max(0.0, 1 - z * z));
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
 }  // namespace
 
 Rgb scattered(const SurfacePoint& point, const Vec3& toward) {
+  if (point.billboard.tables != nullptr) return point.billboard.value(toward);
   if (!(point.geometric_normal.dot(toward) > 0)) return Rgb::Zero();
   return scattered_light(point, toward);
 }
 
 bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSample& sample) {
+  if (point.billboard.tables != nullptr) {
+    sample.direction = sphere_direction(random);
+    sample.density = k_sphere_density;
+    sample.weight = point.billboard.value(sample.direction) / static_cast<float>(k_sphere_density);
+    return true;
+  }
   const MethodLook& method = point.method;
   const double share = table_share(point);
   if (random.x() < share) {
@@ -239,6 +267,7 @@ bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSam
 }
 
 double scattering_density(const SurfacePoint& point, const Vec3& toward) {
+  if (point.billboard.tables != nullptr) return k_sphere_density;
   const MethodLook& method = point.method;
   const double share = table_share(point);
   if (share == 0) return scattered_by_normal(point, toward);

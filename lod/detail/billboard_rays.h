@@ -14,9 +14,10 @@ namespace recede::detail {
 /// What a ray meets.
 struct BillboardSample {
   bool is_own = false;  ///< a face that the billboard stands for, not one of its neighbours'
-  double height = 0;    ///< over the billboard, object units
+  TrianglePlace place;
+  double height = 0;  ///< over the billboard, object units
   Vec3 color = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  ///< unit, towards the front
+  Vec3 normal = Vec3::Zero();  ///< unit, towards the viewer's side
 };
 
 /// Faces of a model in Embree.
@@ -32,6 +33,10 @@ class BillboardRays {
   /// to it: its own ones, and others within the cloud's error that aren't turned farther away than it
   /// permits.
   std::optional<BillboardSample> sample(std::size_t billboard, const Vec2& at) const;
+  /// The same as seen from a unit direction, not along the billboard: places are those where the ray goes
+  /// through its plane.
+  std::optional<BillboardSample> sample_towards(std::size_t billboard, const Vec2& at,
+                                                const Vec3& viewer) const;
 
  private:
   const PolygonSoup& model_;

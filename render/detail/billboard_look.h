@@ -2,10 +2,12 @@
 #pragma once
 
 #include <recede/render/billboards.h>
+#include <recede/render/detail/billboard_view.h>
 #include <recede/render/detail/ray_context.h>
 #include <recede/render/image.h>
 
 #include <array>
+#include <optional>
 
 namespace recede::detail {
 
@@ -36,6 +38,16 @@ class BillboardLook {
   bool first_crossing(std::uint32_t primitive, const Eigen::Vector3f& origin,
                       const Eigen::Vector3f& direction, double least, double most, Crossing& crossing) const;
 
+  /// Whether a ray that starts on one billboard can't meet another: itself, or with reflectance any of its
+  /// placement, whose shadows are in the values already.
+  bool is_passed(std::uint32_t from, std::uint32_t primitive) const {
+    return from == primitive || (tables_ && from / frames_.size() == primitive / frames_.size());
+  }
+
+  bool has_reflectance() const { return tables_.has_value(); }
+  /// What a hit sends back along its ray; there must be reflectance.
+  BillboardView view_of(const Hit& hit, const Eigen::Vector3f& direction) const;
+
   /// Colour, and the unit normal in the scene, bilinear between texels.
   Rgb color_at(const Hit& hit) const;
   Eigen::Vector3f normal_at(const Hit& hit) const;
@@ -43,28 +55,35 @@ class BillboardLook {
   double texel(std::uint32_t primitive) const { return texel_sizes_[primitive / frames_.size()]; }
 
  private:
+  struct LocalRay;
   // Of a billboard in the model.
   struct Frame {
     Vec3 center, axis_u, axis_v, normal;
     double texel_u, texel_v;  // object units
     int width, height;        // texels
     std::size_t first;        // of its texels in the atlas
+
+    // Along the axes and the normal, any length.
+    Vec3 toward_viewer(const LocalRay& ray) const;
   };
   // The four texels around a place, and how near it is to the later ones.
   struct Cell {
     std::array<std::size_t, 4> texels;  // upper left, upper right, lower left, lower right
     float u, v;
   };
-  struct LocalRay;
 
   const Frame& frame_of(std::uint32_t primitive) const { return frames_[primitive % frames_.size()]; }
   std::size_t texel_at(const Frame& frame, int x, int y) const;
   Cell cell_at(const Frame& frame, float x, float y) const;
   LocalRay local_ray(std::uint32_t primitive, const Eigen::Vector3f& origin,
                      const Eigen::Vector3f& direction) const;
+  bool cross_plane(const Frame& frame, const LocalRay& ray, double least, double most,
+                   Crossing& crossing) const;
+  float see(const Frame& frame, float x, float y, const Vec3& toward_viewer, BillboardView& view) const;
   bool cross_cell(const Frame& frame, const LocalRay& ray, int column, int row, double from, double to,
                   Crossing& crossing) const;
   bool faces_best(std::uint32_t primitive, const Eigen::Vector3f& direction) const;
+  void turn_to_scene(std::uint32_t primitive, Eigen::Vector3f& normal) const;
   template <typename Values>
   static auto blend(const Cell& cell, const Values& value);
 
@@ -77,6 +96,7 @@ class BillboardLook {
   // By placement, from and to the scaled scene.
   std::vector<Eigen::Affine3d> to_model_, to_scene_;
   std::vector<double> texel_sizes_;
+  std::optional<ReflectanceTables> tables_;
 };
 
 /// Rays bring a `RayContext`. `look` stays in place.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <recede/render/detail/appearance_look.h>
+#include <recede/render/detail/billboard_view.h>
 #include <recede/render/detail/tracing.h>
 
 namespace recede::detail {
@@ -19,6 +20,7 @@ struct SurfaceLook {
   Vec3f normal;  ///< unit, for shading; turned to the side that is seen
   Rgb albedo;    ///< share of the light that it scatters back
   MethodLook method = {};
+  BillboardView billboard = {};  ///< with reflectance, which is then all that counts
 };
 
 /// `direction` is the ray's. `shares` count for surfaces with appearances.
@@ -38,6 +40,7 @@ struct SurfacePoint {
   Vec3 normal;            ///< unit, for shading
   Rgb albedo;
   MethodLook method;
+  BillboardView billboard;
   bool passes_on = false;  ///< paths go on from here, so that bumps also light each other
   RayTarget target;        ///< what rays from here meet
 
@@ -54,7 +57,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
 
 /// Radiance that the surface sends to the viewer per radiance that comes from a unit direction, per solid
 /// angle: the BRDF times the cosine. Nothing from below the geometric horizon: a shading normal must not let
-/// light shine through the surface.
+/// light shine through the surface. Billboards with reflectance have no horizon.
 Rgb scattered(const SurfacePoint& point, const Vec3& toward);
 
 /// A direction drawn in proportion to how the surface scatters.
