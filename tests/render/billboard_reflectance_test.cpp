@@ -336,6 +336,9 @@ TEST(BillboardReflectance, RefusesWhatCantBe) {
         BillboardReflectanceOptions{.memory = -1}})
     EXPECT_THROW(make_billboard_reflectance(model, made.cloud, *made.textures, options), OptionError);
   EXPECT_THROW(make_billboard_reflectance(model, BillboardCloud{}, *made.textures), InputError);
+  BillboardCloud impostor = made.cloud;
+  impostor.is_impostor = true;
+  EXPECT_THROW(make_billboard_reflectance(model, impostor, *made.textures), InputError);
   EXPECT_THROW(make_billboard_reflectance(PolygonSoup{}, made.cloud, *made.textures), InputError);
   PolygonSoup large = model;
   add_square(large, Vec3(5, 0, 0), 2);
