@@ -1,12 +1,12 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/detail/format_io.h>
+#include <recede/geometry/detail/nearest_points.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/point_cloud.h>
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
-#include <nanoflann.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -19,31 +19,15 @@ namespace recede {
 
 namespace {
 
-// As the tree wants them.
-struct TreePoints {
-  const std::vector<Vec3>& points;
-
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // Calls `visit(point, neighbours)` for each point with its nearest others, on several threads.
 template <typename Visit>
 void for_neighbours(const std::vector<Vec3>& points, std::size_t n_neighbours, Visit&& visit) {
   if (n_neighbours < 1) throw OptionError("points need a neighbour at least");
-  const TreePoints wrapped{points};
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, TreePoints>,
-                                                   TreePoints, 3, Index>;
-  const Tree tree(3, wrapped, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  const detail::NearestPoints nearest(points);
   const std::size_t n_found = std::min(n_neighbours + 1, points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     std::vector<Index> found(n_found);
-    std::vector<double> squares(n_found);
-    tree.knnSearch(points[i].data(), n_found, found.data(), squares.data());
+    nearest.find(points[i], found);
     // Among points at one place it needn't be the first, nor among those found at all.
     const auto self = std::find(found.begin(), found.end(), static_cast<Index>(i));
     found.erase(self == found.end() ? found.end() - 1 : self);

@@ -1,7 +1,7 @@
 #include <recede/geometry/agglomerate.h>
+#include <recede/geometry/detail/nearest_points.h>
 #include <recede/lod/detail/face_clustering.h>
 
-#include <nanoflann.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -315,31 +315,16 @@ class FaceMerger {
   std::vector<Vec3> normals_of_merges_;
 };
 
-// As the tree wants them.
-struct Middles {
-  std::vector<Vec3> points;
-
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<int>(axis)]; }
-  template <typename Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // The nearest others of each face, by their middles.
 std::vector<std::pair<Index, Index>> neighbours_of(const BillboardFaces& faces, std::size_t n) {
-  Middles middles;
-  for (const SurfaceMoments& moments : faces.moments) middles.points.push_back(moments.first / moments.area);
-  using Tree =
-      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Middles>, Middles, 3, Index>;
-  const Tree tree(3, middles, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  std::vector<Vec3> middles;
+  for (const SurfaceMoments& moments : faces.moments) middles.push_back(moments.first / moments.area);
+  const NearestPoints nearest(middles);
   const std::size_t n_found = std::min(n + 1, faces.count());
   std::vector<Index> found(faces.count() * n_found);
   tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
-    std::vector<double> squares(n_found);
     Index* const row = found.data() + i * n_found;
-    tree.knnSearch(middles.points[i].data(), n_found, row, squares.data());
+    nearest.find(middles[i], {row, n_found});
     std::sort(row, row + n_found);
   });
   const auto finds = [&](Index face, Index other) {
