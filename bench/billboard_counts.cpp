@@ -162,34 +162,28 @@ BillboardSection measure_atlases(const BenchOptions& options) {
       "smaller "
       "versions off by, % |\n|---|---|---|---|---|---|---|\n";
   for (const BillboardModel& model : billboard_models(options)) {
-    for (const auto& [name, method] : {std::pair("clusters", BillboardMethod::face_clustering),
-                                       std::pair("planes", BillboardMethod::plane_cover)}) {
-      const BillboardCloud cloud = cloud_of(model, method, k_share);
-      for (const double per_error : {1.0, 2.0}) {
-        const BillboardTextures textures =
-            texture_billboards(model.soup, cloud, {.texels_per_error = per_error});
-        const double drawn = drawn_share(textures.color);
-        std::array<double, k_levels + 1> changes{};  // over so many smaller versions
-        const std::vector<BillboardMipmap> smaller = billboard_mipmaps(textures, k_levels);
-        for (std::size_t i = 0; i < k_levels; ++i) {
-          const double here = i < smaller.size() ? std::abs(drawn_share(smaller[i].color) / drawn - 1) : 0;
-          changes[i + 1] = std::max(changes[i], here);
-        }
-        section.markdown +=
-            fmt::format("| {} | {} | {:g} | {} x {} | {:.1f} | {:.1f} | {:.2f} ; {:.2f} |\n", model.name,
-                        name, per_error, textures.color.width, textures.color.height, 100 * textures.packed,
-                        100 * drawn, 100 * changes[k_few_levels], 100 * changes[k_levels]);
-        section.rows.push_back({{"model", model.name},
-                                {"construction", name},
-                                {"texels_per_error", per_error},
-                                {"width", textures.color.width},
-                                {"height", textures.color.height},
-                                {"packed", textures.packed},
-                                {"drawn", drawn},
-                                {"texels_drawn", textures.covered},
-                                {"change_of_4_smaller_versions", changes[k_few_levels]},
-                                {"change_of_6_smaller_versions", changes[k_levels]}});
+    for (const auto& [construction, texels_per_error, textures] : textured_clouds(model, k_share)) {
+      const double drawn = drawn_share(textures.color);
+      std::array<double, k_levels + 1> changes{};  // over so many smaller versions
+      const std::vector<BillboardMipmap> smaller = billboard_mipmaps(textures, k_levels);
+      for (std::size_t i = 0; i < k_levels; ++i) {
+        const double here = i < smaller.size() ? std::abs(drawn_share(smaller[i].color) / drawn - 1) : 0;
+        changes[i + 1] = std::max(changes[i], here);
       }
+      section.markdown += fmt::format("| {} | {} | {:g} | {} x {} | {:.1f} | {:.1f} | {:.2f} ; {:.2f} |\n",
+                                      model.name, construction, texels_per_error, textures.color.width,
+                                      textures.color.height, 100 * textures.packed, 100 * drawn,
+                                      100 * changes[k_few_levels], 100 * changes[k_levels]);
+      section.rows.push_back({{"model", model.name},
+                              {"construction", construction},
+                              {"texels_per_error", texels_per_error},
+                              {"width", textures.color.width},
+                              {"height", textures.color.height},
+                              {"packed", textures.packed},
+                              {"drawn", drawn},
+                              {"texels_drawn", textures.covered},
+                              {"change_of_4_smaller_versions", changes[k_few_levels]},
+                              {"change_of_6_smaller_versions", changes[k_levels]}});
     }
   }
   return section;

@@ -68,6 +68,18 @@ BillboardCloud cloud_of(const BillboardModel& model, BillboardMethod method, dou
   return build_billboard_clouds(model.soup, options).front();
 }
 
+std::vector<TexturedCloud> textured_clouds(const BillboardModel& model, double share) {
+  std::vector<TexturedCloud> clouds;
+  for (const auto& [name, method] : {std::pair("clusters", BillboardMethod::face_clustering),
+                                     std::pair("planes", BillboardMethod::plane_cover)}) {
+    const BillboardCloud cloud = cloud_of(model, method, share);
+    for (const double per_error : {1.0, 2.0})
+      clouds.push_back(
+          {name, per_error, texture_billboards(model.soup, cloud, {.texels_per_error = per_error})});
+  }
+  return clouds;
+}
+
 BillboardTextures hough_textures(const BillboardModel& model, const BillboardCloud& cloud,
                                  double texels_per_error) {
   int longest = 1;

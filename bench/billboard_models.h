@@ -33,6 +33,15 @@ PolygonSoup loose_leaves(std::size_t n);
 /// A cloud with an error that is a share of the longest side, by one of the library's constructions.
 BillboardCloud cloud_of(const BillboardModel& model, BillboardMethod method, double share);
 
+/// Clusters and planes with a texel and with two per error.
+struct TexturedCloud {
+  std::string construction;
+  double texels_per_error = 1;
+  BillboardTextures textures;
+};
+
+std::vector<TexturedCloud> textured_clouds(const BillboardModel& model, double share);
+
 /// Two-sided: the model's faces within the error are drawn wherever they are on a rectangle.
 BillboardTextures hough_textures(const BillboardModel& model, const BillboardCloud& cloud,
                                  double texels_per_error);

@@ -24,17 +24,12 @@ struct DrawnCloud {
 
 std::vector<DrawnCloud> outlined_clouds(const BillboardModel& model) {
   std::vector<DrawnCloud> clouds;
-  for (const auto& [name, method] : {std::pair("clusters", BillboardMethod::face_clustering),
-                                     std::pair("planes", BillboardMethod::plane_cover)}) {
-    const BillboardCloud cloud = cloud_of(model, method, k_share);
-    for (const double per_error : {1.0, 2.0}) {
-      const BillboardTextures textures =
-          texture_billboards(model.soup, cloud, {.texels_per_error = per_error});
-      clouds.push_back({name, cloud.billboards.size(), per_error, scene_of(textures)});
-      if (per_error == 1) continue;
-      clouds.push_back(
-          {fmt::format("{}, flat", name), cloud.billboards.size(), per_error, scene_of(flattened(textures))});
-    }
+  for (const TexturedCloud& cloud : textured_clouds(model, k_share)) {
+    const std::size_t n = cloud.textures.billboards.size();
+    clouds.push_back({cloud.construction, n, cloud.texels_per_error, scene_of(cloud.textures)});
+    if (cloud.texels_per_error == 1) continue;
+    clouds.push_back({fmt::format("{}, flat", cloud.construction), n, cloud.texels_per_error,
+                      scene_of(flattened(cloud.textures))});
   }
   const BillboardCloud hough = hough_billboards(model.soup, k_share * model.size());
   clouds.push_back(
@@ -133,13 +128,10 @@ struct Squares {
 
 std::vector<DrawnCloud> lit_clouds(const BillboardModel& model) {
   std::vector<DrawnCloud> clouds;
-  const BillboardCloud clusters = cloud_of(model, BillboardMethod::face_clustering, k_share),
-                       planes = cloud_of(model, BillboardMethod::plane_cover, k_share);
-  for (const double per_error : {1.0, 2.0})
-    clouds.push_back({"clusters", clusters.billboards.size(), per_error,
-                      scene_of(texture_billboards(model.soup, clusters, {.texels_per_error = per_error}))});
-  clouds.push_back({"planes", planes.billboards.size(), 2,
-                    scene_of(texture_billboards(model.soup, planes, {.texels_per_error = 2}))});
+  for (const TexturedCloud& cloud : textured_clouds(model, k_share)) {
+    clouds.push_back({cloud.construction, cloud.textures.billboards.size(), cloud.texels_per_error,
+                      scene_of(cloud.textures)});
+  }
   return clouds;
 }
 

@@ -248,25 +248,16 @@ class HoughPlanes {
     return {normal, normal.dot(moments.first) / moments.area};
   }
 
-  Interval along(Index face, const Vec3& normal) const {
-    Interval interval;
-    for (const Index corner : faces_.corners_of(face)) {
-      const double at = faces_.points[corner].dot(normal);
-      interval.low = std::min(interval.low, at);
-      interval.high = std::max(interval.high, at);
-    }
-    return interval;
-  }
   bool is_near(Index face, const Plane& plane) const {
-    const Interval interval = along(face, plane.normal);
-    return interval.high - plane.offset <= error_ && plane.offset - interval.low <= error_;
+    const detail::FaceReach reach = detail::reach_of(faces_, face, plane.normal);
+    return reach.high - plane.offset <= error_ && plane.offset - reach.low <= error_;
   }
   bool is_near_to_all(const Plane& plane, const std::vector<Index>& members) const {
     return std::all_of(members.begin(), members.end(), [&](Index face) { return is_near(face, plane); });
   }
   Plane plane_of_one(Index face) const {
-    const Interval interval = along(face, faces_.normals[face]);
-    return {faces_.normals[face], (interval.low + interval.high) / 2};
+    const detail::FaceReach reach = detail::reach_of(faces_, face, faces_.normals[face]);
+    return {faces_.normals[face], (reach.low + reach.high) / 2};
   }
   std::vector<Index> near_faces(const Plane& plane) const {
     std::vector<Index> near;

@@ -141,7 +141,7 @@ void print_text(const LodHierarchy& hierarchy, const std::vector<FarLevelTrial>&
                 const HierarchyFiles& files, const std::optional<ReportFiles>& report, double diagonal,
                 double seconds) {
   fmt::print(
-      "level      faces        max error      rms error    certified bound   from distance  why it "
+      "level      faces        max error      rms error              bound   from distance  why it "
       "stopped\n");
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     const LodLevel& level = hierarchy.levels[i];
@@ -150,6 +150,10 @@ void print_text(const LodHierarchy& hierarchy, const std::vector<FarLevelTrial>&
                level.error.bound, 100 * level.error.bound / diagonal, level.switch_distance,
                level.stop_reason);
   }
+  if (hierarchy.levels.back().billboards)
+    fmt::print(
+        "Bounds are certified, but not those of billboards: the larger of the greatest distance found "
+        "and the cloud's error.\n");
   print_maps(hierarchy);
   for (const FarLevelTrial& trial : trials) fmt::print("from {:<9.4g} {}\n", trial.distance, trial.reason);
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());

@@ -1,4 +1,5 @@
 #include "common.h"
+#include "drawn_levels.h"
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
@@ -6,6 +7,7 @@
 #include <recede/lod/billboard_budget.h>
 #include <recede/lod/billboard_level.h>
 #include <recede/lod/billboard_mipmaps.h>
+#include <recede/render/billboard_reflectance.h>
 
 #include <fmt/format.h>
 
@@ -27,6 +29,7 @@ struct BillboardsOptions {
   double field_of_view = 45;  // degrees
   std::optional<std::size_t> budget;
   int mipmaps = 0;
+  bool reflectance = false;
   std::vector<double> relative_errors;
   double largest_deviation = 60;  // degrees
 };
@@ -142,6 +145,20 @@ Json textures_to_json(const LodLevel& level, const MapFiles& files) {
           {"switch_distance", level.switch_distance}};
 }
 
+// Of a cloud: what became a file.
+struct WrittenReflectance {
+  std::string file;
+  std::size_t bytes = 0, raw_bytes = 0;
+  double rms = 0;  // of the range
+};
+
+Json reflectance_to_json(const WrittenReflectance& written) {
+  return {{"file", written.file},
+          {"bytes", written.bytes},
+          {"raw_bytes", written.raw_bytes},
+          {"rms", written.rms}};
+}
+
 // What was made, and where it is.
 struct Made {
   PolygonSoup model;
@@ -149,8 +166,26 @@ struct Made {
   std::vector<BillboardCloud> clouds;
   std::optional<LodHierarchy> hierarchy;
   HierarchyFiles hierarchy_files;
+  std::vector<WrittenReflectance> reflectances;
   std::vector<std::string> files;
 };
+
+// All that may fail for reasons of the model comes before anything is written.
+void write_folder(Made& made, const BillboardsOptions& options, Progress* progress) {
+  std::vector<BillboardReflectance> reflectances;
+  for (std::size_t i = 0; options.reflectance && i < made.clouds.size(); ++i)
+    reflectances.push_back(make_billboard_reflectance(made.model, made.clouds[i],
+                                                      *made.hierarchy->levels[i].billboards, {}, progress));
+  made.hierarchy_files = write_hierarchy(options.folder, *made.hierarchy);
+  write_mipmaps(*made.hierarchy, made.hierarchy_files, options.mipmaps);
+  for (std::size_t i = 0; i < reflectances.size(); ++i) {
+    const std::filesystem::path file = reflectance_file(made.hierarchy_files.folder, i);
+    write_billboard_reflectance(file, reflectances[i]);
+    made.reflectances.push_back(
+        {file.string(), bytes(reflectances[i]), raw_bytes(reflectances[i]), reflectances[i].error.rms});
+  }
+  made.files.push_back(made.hierarchy_files.glb.string());
+}
 
 Made make(BillboardsOptions& options, Progress* progress) {
   Made made;
@@ -158,7 +193,7 @@ Made make(BillboardsOptions& options, Progress* progress) {
   if (options.budget) {
     BillboardTextures best =
         billboards_within(made.model, *options.budget, options.clouds, options.textures, progress);
-    made.clouds.push_back({best.error, best.billboards, 0});
+    made.clouds.push_back({best.error, best.billboards, best.left_out, options.clouds.is_two_sided});
     std::vector<BillboardTextures> textures;
     textures.push_back(std::move(best));
     made.hierarchy = billboard_hierarchy(made.model, std::filesystem::path(options.input).stem().string(),
@@ -171,10 +206,7 @@ Made make(BillboardsOptions& options, Progress* progress) {
     made.files.push_back(numbered(options.output, i, made.clouds.size()));
     write_soup(made.files.back(), quads_of(made.clouds[i]));
   }
-  if (options.folder.empty()) return made;
-  made.hierarchy_files = write_hierarchy(options.folder, *made.hierarchy);
-  write_mipmaps(*made.hierarchy, made.hierarchy_files, options.mipmaps);
-  made.files.push_back(made.hierarchy_files.glb.string());
+  if (!options.folder.empty()) write_folder(made, options, progress);
   return made;
 }
 
@@ -196,6 +228,13 @@ void print_text(const Made& made, double seconds) {
                  level.error.rms, level.switch_distance);
     }
   }
+  for (std::size_t i = 0; i < made.reflectances.size(); ++i) {
+    const WrittenReflectance& written = made.reflectances[i];
+    fmt::print("reflectance  {:<5} {} bytes, {:.2g} % of {}; off by {:.2g} % of its range\n", i,
+               written.bytes,
+               100 * static_cast<double>(written.bytes) / static_cast<double>(written.raw_bytes),
+               written.raw_bytes, 100 * written.rms);
+  }
   fmt::print("seconds      {:.3g}\n", seconds);
   for (const std::string& file : made.files) fmt::print("written      {}\n", file);
 }
@@ -211,10 +250,12 @@ void print_document(const Made& made, const BillboardsOptions& options, double s
                     {"face_area", figures.face_area},
                     {"largest_error", figures.largest_error},
                     {"largest_deviation", figures.largest_deviation * 180 / std::numbers::pi},
-                    {"textures", nullptr}});
+                    {"textures", nullptr},
+                    {"reflectance", nullptr}});
     if (!options.folder.empty())
       list.back()["textures"] =
           textures_to_json(made.hierarchy->levels[i], made.hierarchy_files.map_files[i]);
+    if (options.reflectance) list.back()["reflectance"] = reflectance_to_json(made.reflectances[i]);
   }
   print_json({{"command", "billboards"},
               {"input", options.input},
@@ -232,6 +273,7 @@ void run(BillboardsOptions options) {
       !std::filesystem::is_directory(options.folder))
     throw InputError::in_file(options.folder, "isn't a folder");
   if (options.mipmaps > 0 && options.folder.empty()) throw OptionError("--mipmaps needs --folder");
+  if (options.reflectance && options.folder.empty()) throw OptionError("--reflectance needs --folder");
   TerminalProgress progress(options.common.quiet);
   const Made made = make(options, &progress);
   progress.clear();
@@ -286,7 +328,7 @@ void add_billboards_command(CLI::App& app) {
       ->group(group);
   command
       ->add_option("--waste", options->clouds.largest_waste,
-                   "largest area of a rectangle over that of its faces, of clusters (3)")
+                   "largest area of a rectangle over that of its faces, of clusters (4)")
       ->check(CLI::Range(1.0, 1e9))
       ->group(group);
   command
@@ -326,6 +368,11 @@ void add_billboards_command(CLI::App& app) {
       ->add_option("--mipmaps", options->mipmaps,
                    "smaller versions of the pictures that are written, too (0)")
       ->check(CLI::Range(0, 16))
+      ->group(textures);
+  command
+      ->add_flag("--reflectance", options->reflectance,
+                 "also writes what each texel sends of each light to each viewer, with shadows, for recede "
+                 "render --reflectance; takes up to minutes")
       ->group(textures);
   const auto view = "View (for switch distances)";
   command->add_option("--image-height", options->view.image_height, "pixels (1080)")->group(view);

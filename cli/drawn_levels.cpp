@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -58,6 +59,10 @@ std::string_view name_of(Displacement method) {
 
 fs::path appearance_file(const fs::path& folder, std::size_t level) {
   return folder / fmt::format("level_{}.appearance", level);
+}
+
+fs::path reflectance_file(const fs::path& folder, std::size_t level) {
+  return folder / fmt::format("level_{}.reflectance", level);
 }
 
 Drawn::Drawn(const DrawnOptions& options, Progress* progress) : options_(options) {
@@ -112,6 +117,9 @@ void Drawn::check_options() const {
   }
   if (options_.false_color == FalseColor::samples && options_.lighting.noise == 0)
     throw OptionError("without --noise all pixels have the same number of samples");
+  if (options_.reflectance && std::none_of(hierarchy_.levels.begin(), hierarchy_.levels.end(),
+                                           [](const LodLevel& level) { return !!level.billboards; }))
+    throw OptionError(options_.input + " has no billboards, whose reflectance could be drawn");
   if (!options_.appearance) {
     if (options_.transition_distance) throw OptionError("--transition-distance needs --appearance");
     return;
@@ -219,7 +227,8 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
   }
   const bool is_painted =
       options_.false_color != FalseColor::none && options_.false_color != FalseColor::samples;
-  if (drawn.billboards && !options_.no_maps && !is_painted) return Scene(drawn, shading);
+  if (drawn.billboards && !options_.no_maps && !is_painted)
+    return options_.reflectance ? make_reflecting(level) : Scene(drawn, shading);
   PolygonSoup soup;
   const bool is_displaced = method == Displacement::tessellated;
   if (heights_) {
@@ -232,6 +241,15 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
   }
   paint(soup, level);
   return Scene(soup, shading);
+}
+
+Scene Drawn::make_reflecting(std::size_t level) const {
+  const fs::path file = reflectance_file(options_.input, level);
+  if (!fs::exists(file))
+    throw InputError::in_file(file, "isn't there; recede billboards --reflectance writes it");
+  PlacedBillboards placed{std::make_shared<const BillboardTextures>(*hierarchy_.levels[level].billboards)};
+  placed.reflectance = std::make_shared<const BillboardReflectance>(read_billboard_reflectance(file));
+  return Scene(std::span<const PolygonSoup>{}, std::span(&placed, 1), shading());
 }
 
 Scene Drawn::make_diced(const Camera& camera, std::size_t level, Progress* progress) {

@@ -31,7 +31,7 @@ struct DrawnOptions {
   std::optional<double> distance_unit;
   double near_limit = 0;
   int samples = 16;
-  bool wireframe = false, flat = false, no_maps = false, ground = false;
+  bool wireframe = false, flat = false, no_maps = false, ground = false, reflectance = false;
   Displacement displacement = Displacement::traced;
   HeightMapOptions heights;
   std::optional<int> subdivision_level;
@@ -68,6 +68,7 @@ class Drawn {
   PolygonSoup base_of_map(std::size_t level) const;
   std::shared_ptr<const Appearance> appearance_of(std::size_t level, Progress* progress);
   Scene make_scene(std::size_t level, Progress* progress);
+  Scene make_reflecting(std::size_t level) const;
   Scene make_diced(const Camera& camera, std::size_t level, Progress* progress);
   void paint(PolygonSoup& soup, std::size_t level) const;
   double level_share(std::size_t level) const;
@@ -89,5 +90,7 @@ std::string_view name_of(Displacement method);
 
 /// Where `recede bake --appearance` writes that of a level.
 std::filesystem::path appearance_file(const std::filesystem::path& folder, std::size_t level);
+/// Where `recede billboards --reflectance` does.
+std::filesystem::path reflectance_file(const std::filesystem::path& folder, std::size_t level);
 
 }  // namespace recede::cli

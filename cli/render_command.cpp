@@ -214,6 +214,10 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->option_text("auto|brdf|bump|displacement")
       ->group(drawing);
   command
+      .add_flag("--reflectance", options.reflectance,
+                "draws billboards by what recede billboards --reflectance wrote for them")
+      ->group(drawing);
+  command
       .add_option("--transition-distance", options.transition_distance,
                   "from the camera, around which auto changes methods, object units (where a wave of heights "
                   "covers two pixels)")

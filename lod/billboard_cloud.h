@@ -49,16 +49,17 @@ struct BillboardOptions {
   /// Between faces and their billboard, so that it is seen where they are. Of clusters and simplification.
   double largest_deviation = std::numbers::pi / 3;
   /// Area of a billboard over that of its faces, for those of more than one. Of clusters.
-  double largest_waste = 3;
+  double largest_waste = 4;
   /// Faces count from both sides: turned either way they may share a billboard, as leaves do.
   bool is_two_sided = false;
   /// Faces near to each one that it may share a billboard with. Of clusters.
   std::size_t n_neighbours = 50;
 };
 
-/// One cloud for each error. Face clustering: all of them from one run, the least waste first, up to each
-/// error in turn (section 7.3 of the dissertation, with the waste of a billboard as it must be meant: its
-/// area over that of its faces); billboards of a cloud stand for unions of those of the one before.
+/// One cloud for each error. Face clustering: all of them from one run, the least waste and angles first, up
+/// to each error in turn (section 7.3 of the dissertation, with the waste of a billboard as it must be meant,
+/// its area over that of its faces, and angles in the cost beside it); billboards of a cloud stand for unions
+/// of those of the one before.
 /// Simplification: down to each error, proved, and then each face goes to the nearest triangle that it is
 /// near to and that faces as it does, if need be one farther away; faces for which there is none are
 /// clustered. Throws `OptionError` for numbers out of range, `InputError` where no face has an area,

@@ -234,6 +234,7 @@ BillboardTextures texture_billboards(const PolygonSoup& model, const BillboardCl
                     total, cloud.error));
   textures.height_range = cloud.error;
   textures.is_impostor = cloud.is_impostor;
+  textures.left_out = cloud.left_out;
   textures.billboards = cloud.billboards;
   pack_billboards(textures.texel, options.gutter, textures);
   BillboardCloud turned = cloud;

@@ -35,6 +35,7 @@ struct BillboardTextures {
   Raster normal;  ///< x 3, along a billboard's axes and normal: 0 to 255 are -1 to 1
   Raster height;  ///< x 1, over the billboard: 0 to 255 are -`height_range` to `height_range`
   bool is_impostor = false;  ///< of such a cloud
+  std::size_t left_out = 0;  ///< the cloud's faces without area
   double covered = 0;        ///< share of the atlas that is drawn
   double packed = 0;         ///< share of the atlas that billboards take
 

@@ -43,11 +43,6 @@ std::uint16_t quantised(double value, int bits) {
   return static_cast<std::uint16_t>(std::lround(std::clamp(value, 0.0, 1.0) * most));
 }
 
-double encode_srgb(double linear) {
-  const double value = std::clamp(linear, 0.0, 1.0);
-  return value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1 / 2.4) - 0.055;
-}
-
 /// As a lookup reads it in the middle of a texel.
 double height_of(const BakedMaps& maps, Index texel) {
   if (!maps.float_displacement.samples.empty()) return maps.float_displacement.samples[texel];

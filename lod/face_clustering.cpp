@@ -20,18 +20,13 @@ class Extents {
 
   void extend(const Vec3& point) { box_.extend(Vec3(to_axes_ * point)); }
   Vec3 axis(int number) const { return to_axes_.row(number).transpose(); }
-  const Box3& box() const { return box_; }
-  // The axis along which it is narrowest.
   int narrowest() const {
     int axis = 0;
     box_.sizes().minCoeff(&axis);
     return axis;
   }
-  double error() const { return box_.sizes().minCoeff() / 2; }
-  double rectangle() const {
-    const int axis = narrowest();
-    return box_.sizes()[(axis + 1) % 3] * box_.sizes()[(axis + 2) % 3];
-  }
+  double error(int axis) const { return box_.sizes()[axis] / 2; }
+  double rectangle(int axis) const { return box_.sizes()[(axis + 1) % 3] * box_.sizes()[(axis + 2) % 3]; }
 
  private:
   Eigen::Matrix3d to_axes_;
@@ -63,14 +58,12 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 struct Members {
   std::vector<Index> faces, numbers;  // of points
   std::vector<Vec3> points;
-  Box3 normals;
   std::size_t n_points_once = 0;  // when repeated points went
 
   bool is_empty() const { return faces.empty(); }
 
   void add(Index face, const BillboardFaces& model) {
     faces.push_back(face);
-    normals.extend(model.normals[face]);
     for (const Index corner : model.corners_of(face)) {
       numbers.push_back(corner);
       points.push_back(model.points[corner]);
@@ -83,7 +76,6 @@ struct Members {
     faces.insert(faces.end(), other.faces.begin(), other.faces.end());
     numbers.insert(numbers.end(), other.numbers.begin(), other.numbers.end());
     points.insert(points.end(), other.points.begin(), other.points.end());
-    normals.extend(other.normals);
     other = {};
     if (points.size() < 2 * n_points_once) return;
     std::sort(numbers.begin(), numbers.end());
@@ -130,14 +122,19 @@ BillboardFaces in_order_of_space(const BillboardFaces& faces) {
   return result;
 }
 
+// Beside the waste, the source's cost, angles count too: by waste alone, patches become as round as they can,
+// at any place of a bend, and then no two of them may merge.
+constexpr double k_most_tilt = 8;
+// A rectangle that costs no more is as good as any: its area is about that of its faces, which face its way.
+constexpr double k_hardly_better = 1.1;
+
 class FaceMerger {
  public:
   static constexpr bool k_costs_are_of_pairs_alone = true;
 
-  FaceMerger(const BillboardFaces& faces, const BillboardOptions& options, const std::vector<double>& errors)
+  FaceMerger(const BillboardFaces& faces, const BillboardOptions& options)
       : faces_(faces),
         options_(options),
-        errors_(errors),
         least_cosine_(std::cos(options.largest_deviation)),
         clusters_(faces_.count()) {
     for (Index face = 0; face < faces_.count(); ++face) {
@@ -146,18 +143,13 @@ class FaceMerger {
     }
   }
 
+  /// In units of the model's size; it may grow from run to run.
+  void allow(double error) { error_ = error; }
+
+  const Vec3& middle(Index cluster) const { return clusters_[cluster].middle; }
+
   // From the farthest points and the most tilted normals of some directions: at most the cost.
-  double cost(Index a, Index b) const {
-    const Extents extents = extents_of_kept(a, b);
-    const double cost = cost_of(extents, a, b);
-    if (cost == k_infinity) return cost;
-    const Vec3 normal = normal_of(extents, a, b);
-    double least = 1;
-    for (const Index cluster : {a, b}) {
-      each_normal(cluster, [&](const Vec3& other) { least = std::min(least, cosine(other, normal)); });
-    }
-    return least < least_cosine_ ? k_infinity : cost;
-  }
+  double cost(Index a, Index b) const { return fit(a, b, false).cost; }
 
   void costs(std::span<const std::pair<Index, Index>> pairs, std::span<double> costs) const {
     const auto compute = [&](std::size_t i) { costs[i] = cost(pairs[i].first, pairs[i].second); };
@@ -171,13 +163,7 @@ class FaceMerger {
   }
 
   // From all of them.
-  double final_cost(Index a, Index b) const {
-    const Extents extents = extents_of_all(a, b);
-    const double cost = cost_of(extents, a, b);
-    if (cost == k_infinity) return cost;
-    const Vec3 normal = normal_of(extents, a, b);
-    return are_within(a, normal) && are_within(b, normal) ? cost : k_infinity;
-  }
+  double final_cost(Index a, Index b) const { return fit(a, b, true).cost; }
 
   // Between the middle of one and the other, taken as a ball.
   double distance(Index cluster, Index other) const {
@@ -190,7 +176,7 @@ class FaceMerger {
   const std::vector<Vec3>& normals_of_merges() const { return normals_of_merges_; }
 
   void merge(Index kept, Index absorbed) {
-    normals_of_merges_.push_back(normal_of(extents_of_all(kept, absorbed), kept, absorbed));
+    normals_of_merges_.push_back(fit(kept, absorbed, true).normal);
     Cluster &to = clusters_[kept], &from = clusters_[absorbed];
     std::vector<Vec3> points, normals;
     for (const Index cluster : {kept, absorbed}) {
@@ -235,27 +221,81 @@ class FaceMerger {
     if (clusters_[cluster].normals.empty()) visit(faces_.normals[cluster]);
   }
 
-  Extents extents_of_kept(Index a, Index b) const {
+  // What a rectangle for two clusters costs.
+  struct Fit {
+    Vec3 normal = Vec3::Zero();
+    double cost = k_infinity;
+  };
+
+  // The cheaper one of two: across the narrowest axis of all faces, and as they face.
+  Fit fit(Index a, Index b, bool is_final) const {
     SurfaceMoments moments = clusters_[a].moments;
     moments += clusters_[b].moments;
-    Extents extents(moments.axes());
-    for (const Index cluster : {a, b}) each_point(cluster, [&](const Vec3& point) { extents.extend(point); });
-    return extents;
+    Eigen::Matrix3d axes = moments.axes();
+    const Extents narrow = extents(a, b, axes, is_final);
+    const int axis = narrow.narrowest();
+    const Fit across = rated(a, b, narrow, axis, moments, is_final);
+    if (across.cost < k_hardly_better) return across;
+    const Vec3 facing = facing_of(a, b, across.normal);
+    const Vec3 wide = axes.col(2);
+    Vec3 u = wide - wide.dot(facing) * facing;
+    if (!(u.norm() > 0.1)) u = facing.unitOrthogonal();
+    u.normalize();
+    axes << facing, u, facing.cross(u);
+    const Fit toward = rated(a, b, extents(a, b, axes, is_final), 0, moments, is_final);
+    return toward.cost < across.cost ? toward : across;
   }
 
-  Extents extents_of_all(Index a, Index b) const {
-    Extents extents = extents_of_kept(a, b);
+  Extents extents(Index a, Index b, const Eigen::Matrix3d& axes, bool is_final) const {
+    Extents extents(axes);
     for (const Index cluster : {a, b}) {
+      each_point(cluster, [&](const Vec3& point) { extents.extend(point); });
+      if (!is_final) continue;
       for (const Vec3& point : clusters_[cluster].members.points) extents.extend(point);
     }
     return extents;
   }
 
-  // Turned to the front of most faces.
-  Vec3 normal_of(const Extents& extents, Index a, Index b) const {
-    const Vec3 normal = extents.axis(extents.narrowest());
-    return (clusters_[a].moments.normal + clusters_[b].moments.normal).dot(normal) < 0 ? Vec3(-normal)
-                                                                                       : normal;
+  Fit rated(Index a, Index b, const Extents& extents, int axis, const SurfaceMoments& moments,
+            bool is_final) const {
+    Fit fit{extents.axis(axis)};
+    if (moments.normal.dot(fit.normal) < 0) fit.normal = -fit.normal;
+    const double waste = extents.rectangle(axis) / moments.area;
+    if (extents.error(axis) > error_ || waste > options_.largest_waste) return fit;
+    double least = 1;
+    for (const Index cluster : {a, b}) {
+      if (is_final) {
+        least = std::min(least, least_cosine_of(cluster, fit.normal));
+      } else {
+        each_normal(cluster,
+                    [&](const Vec3& normal) { least = std::min(least, cosine(normal, fit.normal)); });
+      }
+    }
+    if (least >= least_cosine_) fit.cost = waste + tilt(least);
+    return fit;
+  }
+
+  // About the axis of the narrowest cone around their normals.
+  Vec3 facing_of(Index a, Index b, const Vec3& start) const {
+    constexpr int k_steps = 8;
+    Vec3 axis = start;
+    for (int step = 0; step < k_steps; ++step) {
+      Vec3 farthest = axis;
+      double least = 2;
+      for (const Index cluster : {a, b}) {
+        each_normal(cluster, [&](const Vec3& normal) {
+          const double at = normal.dot(axis);
+          const bool is_turned = options_.is_two_sided && at < 0;
+          if ((is_turned ? -at : at) >= least) return;
+          least = is_turned ? -at : at;
+          farthest = is_turned ? Vec3(-normal) : normal;
+        });
+      }
+      const Vec3 next = axis + (farthest - axis) / (step + 2);
+      if (!(next.norm() > 0)) break;  // they face apart
+      axis = next.normalized();
+    }
+    return axis;
   }
 
   double cosine(const Vec3& of_face, const Vec3& normal) const {
@@ -263,22 +303,18 @@ class FaceMerger {
     return options_.is_two_sided ? std::abs(cosine) : cosine;
   }
 
-  // Whether a normal is near enough to that of each face.
-  bool are_within(Index cluster, const Vec3& normal) const {
+  // Of the angles between a normal and those of the faces.
+  double least_cosine_of(Index cluster, const Vec3& normal) const {
     const Members& members = clusters_[cluster].members;
-    if (members.is_empty()) return cosine(faces_.normals[cluster], normal) >= least_cosine_;
-    const double reach = members.normals.sizes().dot(normal.cwiseAbs()) / 2;
-    if (cosine(members.normals.center(), normal) - reach >= least_cosine_ + k_rounding) return true;
-    return std::all_of(members.faces.begin(), members.faces.end(),
-                       [&](Index face) { return cosine(faces_.normals[face], normal) >= least_cosine_; });
+    if (members.is_empty()) return cosine(faces_.normals[cluster], normal);
+    double least = 1;
+    for (const Index face : members.faces) least = std::min(least, cosine(faces_.normals[face], normal));
+    return least;
   }
 
-  // Of an error's level, and within it the waste; nothing is said of normals.
-  double cost_of(const Extents& extents, Index a, Index b) const {
-    const double waste = extents.rectangle() / (clusters_[a].moments.area + clusters_[b].moments.area);
-    const auto level = std::lower_bound(errors_.begin(), errors_.end(), extents.error());
-    if (level == errors_.end() || waste > options_.largest_waste) return k_infinity;
-    return waste + static_cast<double>(level - errors_.begin()) * options_.largest_waste;
+  // What the largest angle adds to a cost: flat parts grow along themselves first, and around bends last.
+  double tilt(double least_cosine) const {
+    return least_cosine_ < 1 ? k_most_tilt * (1 - least_cosine) / (1 - least_cosine_) : 0;
   }
 
   // Keeps what is farthest along directions, where there are more.
@@ -309,46 +345,45 @@ class FaceMerger {
 
   const BillboardFaces& faces_;
   const BillboardOptions& options_;
-  const std::vector<double>& errors_;  // in units of the model's size
   double least_cosine_;
+  double error_ = 0;
   std::vector<Cluster> clusters_;
   std::vector<Vec3> normals_of_merges_;
 };
 
-// The nearest others of each face, by their middles.
-std::vector<std::pair<Index, Index>> neighbours_of(const BillboardFaces& faces, std::size_t n) {
+// The nearest others of each cluster, by their middles.
+std::vector<std::pair<Index, Index>> neighbours_of(const FaceMerger& merger,
+                                                   const std::vector<Index>& clusters, std::size_t n) {
   std::vector<Vec3> middles;
-  for (const SurfaceMoments& moments : faces.moments) middles.push_back(moments.first / moments.area);
+  for (const Index cluster : clusters) middles.push_back(merger.middle(cluster));
   const NearestPoints nearest(middles);
-  const std::size_t n_found = std::min(n + 1, faces.count());
-  std::vector<Index> found(faces.count() * n_found);
-  tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
+  const std::size_t n_found = std::min(n + 1, clusters.size());
+  std::vector<Index> found(clusters.size() * n_found);
+  tbb::parallel_for(std::size_t{0}, clusters.size(), [&](std::size_t i) {
     Index* const row = found.data() + i * n_found;
     nearest.find(middles[i], {row, n_found});
     std::sort(row, row + n_found);
   });
-  const auto finds = [&](Index face, Index other) {
-    const Index* const row = found.data() + face * n_found;
+  const auto finds = [&](Index place, Index other) {
+    const Index* const row = found.data() + place * n_found;
     return std::binary_search(row, row + n_found, other);
   };
   // A pair is the lower one's, or the other's where only that finds it.
-  const auto each_pair_of = [&](Index face, auto&& visit) {
+  const auto each_pair_of = [&](Index place, auto&& visit) {
     for (std::size_t k = 0; k < n_found; ++k) {
-      const Index other = found[face * n_found + k];
-      if (other > face || (other < face && !finds(other, face))) visit(other);
+      const Index other = found[place * n_found + k];
+      if (other > place || (other < place && !finds(other, place))) visit(other);
     }
   };
-  std::vector<std::size_t> starts(faces.count() + 1, 0);
-  tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
+  std::vector<std::size_t> starts(clusters.size() + 1, 0);
+  tbb::parallel_for(std::size_t{0}, clusters.size(), [&](std::size_t i) {
     each_pair_of(static_cast<Index>(i), [&](Index) { ++starts[i + 1]; });
   });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   std::vector<std::pair<Index, Index>> pairs(starts.back());
-  tbb::parallel_for(std::size_t{0}, faces.count(), [&](std::size_t i) {
-    std::size_t place = starts[i];
-    each_pair_of(static_cast<Index>(i), [&](Index other) {
-      pairs[place++] = {static_cast<Index>(i), other};
-    });
+  tbb::parallel_for(std::size_t{0}, clusters.size(), [&](std::size_t i) {
+    std::size_t next = starts[i];
+    each_pair_of(static_cast<Index>(i), [&](Index other) { pairs[next++] = {clusters[i], clusters[other]}; });
   });
   return pairs;
 }
@@ -364,15 +399,60 @@ Billboard billboard_of_one(const BillboardFaces& faces, Index face, bool is_two_
   return billboard_facing(faces, members, extents.axis(extents.narrowest()), is_two_sided);
 }
 
-Agglomeration merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
-                          std::vector<double> errors, std::vector<Vec3>& normals, Progress* progress) {
-  for (double& error : errors) error *= (1 - k_rounding) / faces.size;
-  FaceMerger merger(faces, options, errors);
-  const std::vector<std::pair<Index, Index>> neighbours = neighbours_of(faces, options.n_neighbours);
-  Agglomeration tree =
-      agglomerate(faces.count(), neighbours, merger, {.most_neighbours = options.n_neighbours}, progress);
-  normals = merger.normals_of_merges();
-  return tree;
+// One bar for all rounds of merging: how few clusters are left doesn't say how many rounds there will be.
+class RoundProgress final : public Progress {
+ public:
+  RoundProgress(Progress* all, std::size_t n_faces) : all_(all), n_faces_(n_faces) {}
+
+  void start_round(std::size_t n_merged) { before_ = n_merged; }
+  void update(std::string_view stage, double fraction) override {
+    const double merged = stage == "merging clusters" ? fraction : 0;
+    fraction_ = std::max(fraction_, merged + static_cast<double>(before_) / static_cast<double>(n_faces_));
+    if (all_ != nullptr) all_->update("merging faces", std::min(1.0, fraction_));
+  }
+  bool cancel_requested() const override { return all_ != nullptr && all_->cancel_requested(); }
+
+ private:
+  Progress* all_;
+  std::size_t n_faces_, before_ = 0;
+  double fraction_ = 0;
+};
+
+struct FaceMerges {
+  Agglomeration tree;
+  std::vector<std::size_t> ends;  // how many merges there are up to each error
+  std::vector<Vec3> normals;      // of the clusters that merges make
+};
+
+// Clusters that have grown have other neighbours than their faces had: at each error they are looked for
+// again, until none of them merge.
+FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
+                       std::span<const double> errors, Progress* progress) {
+  FaceMerger merger(faces, options);
+  std::vector<Index> clusters(faces.count());
+  std::iota(clusters.begin(), clusters.end(), Index{0});
+  std::vector<unsigned char> is_absorbed(faces.count(), 0);
+  RoundProgress rounds(progress, faces.count());
+  FaceMerges result;
+  result.tree.n_items = faces.count();
+  for (const double error : errors) {
+    merger.allow(error * (1 - k_rounding) / faces.size);
+    for (std::size_t n_before = clusters.size() + 1; clusters.size() < n_before;) {
+      n_before = clusters.size();
+      rounds.start_round(result.tree.merges.size());
+      const Agglomeration merges =
+          agglomerate(faces.count(), neighbours_of(merger, clusters, options.n_neighbours), merger,
+                      {.most_neighbours = options.n_neighbours}, &rounds);
+      for (const ClusterMerge& merge : merges.merges) {
+        result.tree.merges.push_back(merge);
+        is_absorbed[merge.absorbed] = 1;
+      }
+      std::erase_if(clusters, [&](Index cluster) { return is_absorbed[cluster] != 0; });
+    }
+    result.ends.push_back(result.tree.merges.size());
+  }
+  result.normals = merger.normals_of_merges();
+  return result;
 }
 
 }  // namespace
@@ -381,14 +461,10 @@ std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
                                                   const BillboardOptions& options,
                                                   std::span<const double> errors, Progress* progress) {
   const BillboardFaces faces = in_order_of_space(model);
-  std::vector<Vec3> normals;  // of the clusters that merges make
-  const Agglomeration tree = merge_faces(faces, options, {errors.begin(), errors.end()}, normals, progress);
+  const auto [tree, ends, normals] = merge_faces(faces, options, errors, progress);
   std::vector<std::vector<Billboard>> result;
   for (std::size_t level = 0; level < errors.size(); ++level) {
-    const double limit = static_cast<double>(level + 1) * options.largest_waste;
-    const auto beyond = std::find_if(tree.merges.begin(), tree.merges.end(),
-                                     [&](const ClusterMerge& merge) { return merge.cost > limit; });
-    const auto n_merges = static_cast<std::size_t>(beyond - tree.merges.begin());
+    const std::size_t n_merges = ends[level];
     const std::vector<Index> cluster_of = clusters_after(tree, n_merges);
     // A cluster is kept under the number of its first face.
     std::vector<std::size_t> last_merge(faces.count(), tree.merges.size());

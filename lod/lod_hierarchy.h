@@ -16,9 +16,10 @@ namespace recede {
 
 /// Deviation of a level from level 0, two-sided, object units.
 struct LevelError {
-  double max = 0;    ///< largest sampled distance
-  double rms = 0;    ///< root mean square, pooled over both sides, weighted by area
-  double bound = 0;  ///< certified upper bound of the maximum
+  double max = 0;  ///< largest sampled distance
+  double rms = 0;  ///< root mean square, pooled over both sides, weighted by area
+  /// Certified upper bound of the maximum; not certified where there are billboards.
+  double bound = 0;
 };
 
 struct LodLevel {

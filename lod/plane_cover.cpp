@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace recede::detail {
@@ -29,10 +28,6 @@ std::vector<Vec3> half_sphere(std::size_t n) {
   }
   return directions;
 }
-
-struct Interval {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-};
 
 class PlaneCover {
  public:
@@ -61,19 +56,9 @@ class PlaneCover {
   }
 
  private:
-  Interval along(Index face, const Vec3& direction) const {
-    Interval interval;
-    for (const Index corner : faces_.corners_of(face)) {
-      const double at = faces_.points[corner].dot(direction);
-      interval.low = std::min(interval.low, at);
-      interval.high = std::max(interval.high, at);
-    }
-    return interval;
-  }
-
   bool is_near(Index face, const Plane& plane) const {
-    const Interval interval = along(face, plane.normal);
-    return interval.high - plane.offset <= error_ && plane.offset - interval.low <= error_;
+    const FaceReach reach = reach_of(faces_, face, plane.normal);
+    return reach.high - plane.offset <= error_ && plane.offset - reach.low <= error_;
   }
 
   double seen(Index face, const Vec3& normal) const {
@@ -85,12 +70,12 @@ class PlaneCover {
   // To the offsets along each direction with which a plane is near to the face.
   void add(Index face, double sign) {
     for (std::size_t d = 0; d < directions_.size(); ++d) {
-      const Interval interval = along(face, directions_[d]);
-      if (interval.high - interval.low > 2 * error_) continue;
+      const FaceReach reach = reach_of(faces_, face, directions_[d]);
+      if (reach.high - reach.low > 2 * error_) continue;
       const double area = sign * seen(face, directions_[d]);
       const auto begin =
-          static_cast<std::size_t>(std::max(0.0, std::ceil((interval.high - error_ - first_) / bin_)));
-      for (std::size_t i = begin; i < n_bins_ && offset_of(i) <= interval.low + error_; ++i)
+          static_cast<std::size_t>(std::max(0.0, std::ceil((reach.high - error_ - first_) / bin_)));
+      for (std::size_t i = begin; i < n_bins_ && offset_of(i) <= reach.low + error_; ++i)
         sums_[d * n_bins_ + i] += area;
     }
   }
@@ -142,8 +127,8 @@ class PlaneCover {
   }
   Plane plane_of(Index face) const {
     const Vec3& normal = faces_.normals[face];
-    const Interval interval = along(face, normal);
-    return {normal, (interval.low + interval.high) / 2};
+    const FaceReach reach = reach_of(faces_, face, normal);
+    return {normal, (reach.low + reach.high) / 2};
   }
 
   std::size_t cover(const Plane& plane) {
@@ -250,11 +235,11 @@ class PlaneCover {
 
   // How far they reach along its normal; puts it into the middle.
   double spread(const std::vector<Index>& members, Plane& plane) const {
-    Interval all;
+    FaceReach all;
     for (const Index face : members) {
-      const Interval interval = along(face, plane.normal);
-      all.low = std::min(all.low, interval.low);
-      all.high = std::max(all.high, interval.high);
+      const FaceReach reach = reach_of(faces_, face, plane.normal);
+      all.low = std::min(all.low, reach.low);
+      all.high = std::max(all.high, reach.high);
     }
     plane.offset = (all.low + all.high) / 2;
     return all.high - all.low;

@@ -1,4 +1,6 @@
 // Billboard clouds for Python.
+#include "billboards.h"
+
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
@@ -18,16 +20,6 @@ namespace recede::python {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// With or without textures. Shared, so that arrays outlive the lock.
-struct Cloud {
-  std::shared_ptr<const BillboardCloud> cloud;
-  std::shared_ptr<const BillboardTextures> textures;  // or null
-
-  const std::vector<Billboard>& billboards() const {
-    return textures ? textures->billboards : cloud->billboards;
-  }
-};
 
 BillboardOptions read_options_of_clouds(const py::dict& from) {
   BillboardOptions options;
@@ -72,7 +64,8 @@ std::vector<Cloud> make_clouds(const Mesh& mesh, const py::dict& settings, bool 
     if (budget) {
       auto best =
           std::make_shared<const BillboardTextures>(billboards_within(model, *budget, options, textures, p));
-      clouds.push_back({std::make_shared<const BillboardCloud>(BillboardCloud{best->error, best->billboards}),
+      clouds.push_back({std::make_shared<const BillboardCloud>(BillboardCloud{
+                            best->error, best->billboards, best->left_out, options.is_two_sided}),
                         std::move(best)});
       return clouds;
     }
@@ -101,6 +94,25 @@ fs::path write_clouds(const fs::path& folder, const Mesh& mesh, const std::vecto
     }
     return write_hierarchy(folder, billboard_hierarchy(*mesh.soup, name, std::move(textures), settings, p))
         .glb;
+  });
+}
+
+SharedReflectance make_reflectance(const Mesh& mesh, const Cloud& cloud, const py::dict& settings,
+                                   py::object progress) {
+  if (!cloud.textures) throw OptionError("a cloud without textures has no texels to send light");
+  BillboardReflectanceOptions options;
+  read(settings, "view_side", options.view_side);
+  read(settings, "light_side", options.light_side);
+  read(settings, "samples", options.samples);
+  read(settings, "shaded", options.shaded);
+  read(settings, "bounces", options.bounces);
+  read(settings, "largest_share", options.largest_share);
+  read(settings, "memory", options.memory);
+  return PythonProgress(std::move(progress)).run([&](Progress* p) {
+    PolygonSoup model = *mesh.soup;
+    merge_identical_vertices(model);
+    return SharedReflectance{std::make_shared<const BillboardReflectance>(
+        make_billboard_reflectance(model, *cloud.cloud, *cloud.textures, options, p))};
   });
 }
 
@@ -207,6 +219,22 @@ void bind_billboards(py::module_& m) {
       .def_property_readonly("covered", if_textured([](const BillboardTextures& t) { return t.covered; }))
       .def_property_readonly("quads",
                              if_textured([](const BillboardTextures& t) { return make_mesh(quads_of(t)); }));
+  py::class_<SharedReflectance>(m, "BillboardReflectance")
+      .def_property_readonly("bytes", [](const SharedReflectance& r) { return bytes(*r.reflectance); })
+      .def_property_readonly("raw_bytes",
+                             [](const SharedReflectance& r) { return raw_bytes(*r.reflectance); })
+      .def_property_readonly("rms", [](const SharedReflectance& r) { return r.reflectance->error.rms; })
+      .def_property_readonly("n_vectors",
+                             [](const SharedReflectance& r) { return r.reflectance->vector_count(); })
+      .def("write", [](const SharedReflectance& r, const fs::path& path) {
+        const py::gil_scoped_release unlocked;
+        write_billboard_reflectance(path, *r.reflectance);
+      });
+  m.def("make_billboard_reflectance", &make_reflectance);
+  m.def("read_billboard_reflectance", [](const fs::path& path) {
+    const py::gil_scoped_release unlocked;
+    return SharedReflectance{std::make_shared<const BillboardReflectance>(read_billboard_reflectance(path))};
+  });
   m.def("build_billboards", &make_clouds);
   m.def("write_billboards", &write_clouds);
 }

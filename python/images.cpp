@@ -1,6 +1,7 @@
 // Pictures of meshes, picture files, and differences of pictures for Python.
 #include "appearance.h"
 #include "baked_maps.h"
+#include "billboards.h"
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
@@ -168,9 +169,14 @@ struct Drawn {
   std::shared_ptr<const PolygonSoup> soup;
   std::shared_ptr<const BakedMaps> maps;
   std::optional<DisplacementMap> heights;  ///< over `soup`
+  std::optional<PlacedBillboards> billboards;
 
-  const PolygonSoup& base() const { return maps ? maps->surface : *soup; }
+  std::vector<Vec3> points() const {
+    if (billboards) return quads_of(*billboards->textures).positions;
+    return maps ? maps->surface.positions : soup->positions;
+  }
   Scene scene(const DisplacedMeshOptions& displacement, const SceneOptions& shading) const {
+    if (billboards) return Scene(std::span<const PolygonSoup>{}, std::span(&*billboards, 1), shading);
     if (maps) return Scene(*maps, displacement, shading);
     return heights ? Scene(*soup, *heights, displacement, shading) : Scene(*soup, shading);
   }
@@ -180,6 +186,13 @@ Drawn read_drawn(const py::object& surface, const py::dict& from) {
   Drawn drawn;
   if (py::isinstance<Baked>(surface)) {
     drawn.maps = surface.cast<const Baked&>().maps;
+    return drawn;
+  }
+  if (py::isinstance<Cloud>(surface)) {
+    drawn.billboards.emplace(PlacedBillboards{surface.cast<const Cloud&>().textures});
+    if (!drawn.billboards->textures) throw OptionError("a cloud without textures can't be drawn");
+    if (!from["reflectance"].is_none())
+      drawn.billboards->reflectance = from["reflectance"].cast<const SharedReflectance&>().reflectance;
     return drawn;
   }
   drawn.soup = surface.cast<const Mesh&>().soup;
@@ -206,7 +219,7 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
   read(from, "subdivision_level", displacement.level);
   const Drawn drawn = read_drawn(surface, from);
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
-    const std::vector<Vec3>& points = drawn.base().positions;
+    const std::vector<Vec3> points = drawn.points();
     const Camera in_front = camera_in_front(points, up, field_of_view, width, height);
     const Camera camera = place_camera(in_front, points, eye, look_at);
     return render(drawn.scene(displacement, shading), camera, options, p);

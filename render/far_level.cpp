@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 namespace recede {
 
@@ -40,15 +39,6 @@ bool is_of_sheets(const PolygonMesh& mesh) {
   std::size_t n_borders = 0;
   for (const auto edge : mesh.edges()) n_borders += mesh.is_boundary(edge) ? 1 : 0;
   return static_cast<double>(n_borders) > k_share * static_cast<double>(mesh.n_edges());
-}
-
-// The level that takes the least of what is more than some bytes; the finest if none does.
-const PolygonMesh& level_above(const LodHierarchy& hierarchy, std::size_t bytes) {
-  for (std::size_t i = hierarchy.levels.size(); i-- > 1;) {
-    if (!hierarchy.levels[i].billboards && mesh_bytes(hierarchy.levels[i].mesh) > bytes)
-      return hierarchy.levels[i].mesh;
-  }
-  return hierarchy.levels[0].mesh;
 }
 
 // As many triangles as some bytes hold; parts are dropped where else they don't become that few.
@@ -83,8 +73,7 @@ std::size_t n_triangles(const PolygonMesh& mesh) {
 // Pictures of the model, and how far others are from them.
 class FarPictures {
  public:
-  FarPictures(const LodHierarchy& hierarchy, double distance, int n_views) {
-    const Scene model(hierarchy.levels[0]);
+  FarPictures(const Scene& model, const LodHierarchy& hierarchy, double distance, int n_views) {
     const Vec3 up = Vec3::UnitY();
     for (const Vec3& direction : spread_directions(n_views).directions) {
       const Camera whole =
@@ -127,54 +116,77 @@ class FarLevels {
         options_(options),
         progress_(progress),
         model_(to_soup(hierarchy.levels[0].mesh)),
-        area_(area_of(model_)) {}
+        area_(area_of(model_)) {
+    for (const LodLevel& level : hierarchy.levels)
+      level_bytes_.push_back(level.billboards ? 0 : mesh_bytes(level.mesh));
+  }
 
   std::vector<FarLevelTrial> run() {
     const double size = bounding_box(model_).sizes().maxCoeff();
     std::vector<FarLevelTrial> trials;
+    std::vector<std::size_t> open;  // that pictures decide
     for (const double share : options_.relative_errors) {
       FarLevelTrial& trial = trials.emplace_back();
       trial.error = share * size;
       trial.distance = switch_distance(trial.error, hierarchy_.view);
-    }
-    std::vector<FarLevelTrial*> open;  // that pictures decide
-    for (FarLevelTrial& trial : trials) {
-      if (!triangles_serve(trial)) open.push_back(&trial);
+      if (!triangles_serve(trial)) open.push_back(trials.size() - 1);
     }
     if (open.empty()) return trials;
-    for (const BillboardMethod method : options_.methods) {
-      BillboardOptions clouds = options_.clouds;
+    std::vector<FarPictures> pictures;
+    const Scene model(hierarchy_.levels[0]);
+    for (const std::size_t i : open)
+      pictures.emplace_back(model, hierarchy_, trials[i].distance, options_.views);
+    for (const BillboardMethod method : {BillboardMethod::face_clustering, BillboardMethod::plane_cover}) {
+      BillboardOptions clouds;
       clouds.method = method;
       clouds.errors.clear();
-      for (const FarLevelTrial* trial : open) clouds.errors.push_back(trial->error);
-      clouds.is_two_sided |= is_of_sheets(hierarchy_.levels[0].mesh);
+      for (const std::size_t i : open) clouds.errors.push_back(trials[i].error);
+      clouds.is_two_sided = is_of_sheets(hierarchy_.levels[0].mesh);
       const std::vector<BillboardCloud> built = build_billboard_clouds(model_, clouds, progress_);
-      for (std::size_t i = 0; i < open.size(); ++i) {
-        FarLevelTrial trial = *open[i];
-        trial.method = method;
-        compare(built[i], trial);
-        if (!open[i]->cloud || advantage_of(trial) > advantage_of(*open[i])) *open[i] = std::move(trial);
+      for (std::size_t k = 0; k < open.size(); ++k) {
+        FarLevelTrial& best = trials[open[k]];
+        FarLevelTrial trial{.error = best.error, .method = method, .distance = best.distance};
+        compare(built[k], pictures[k], trial);
+        if (!best.cloud || advantage_of(trial) > advantage_of(best)) best = std::move(trial);
       }
     }
     return trials;
   }
 
  private:
+  // More texels than errors ask for show leaves better than as many bytes of triangles.
+  static constexpr double k_texels_per_error = 2;
+
   // Above 1: billboards are nearer to the model.
   static double advantage_of(const FarLevelTrial& trial) {
     return trial.triangle_difference / std::max(trial.billboard_difference, 1e-9);
   }
 
+  // The level that takes the least of what is more than some bytes; the finest if none does.
+  std::size_t level_above(std::size_t bytes) const {
+    for (std::size_t i = level_bytes_.size(); i-- > 1;) {
+      if (level_bytes_[i] > bytes) return i;
+    }
+    return 0;
+  }
+
   bool triangles_serve(FarLevelTrial& trial) const {
-    const double texel = trial.error / options_.textures.texels_per_error;
-    const double texture_bytes = 8 * area_ / (texel * texel);
-    for (const LodLevel& level : hierarchy_.levels) {
-      if (level.billboards || level.error.bound > trial.error / 2) continue;
-      trial.triangles = n_triangles(level.mesh);
-      trial.triangle_bytes = mesh_bytes(level.mesh);
-      if (static_cast<double>(trial.triangle_bytes) > texture_bytes) continue;
-      trial.reason = fmt::format("triangles: {} of them are off by less than half of a pixel, in {} bytes",
-                                 trial.triangles, trial.triangle_bytes);
+    const double texel = trial.error / k_texels_per_error;
+    const auto texture_bytes = static_cast<std::size_t>(8 * area_ / (texel * texel));
+    for (std::size_t i = 0; i < hierarchy_.levels.size(); ++i) {
+      const LodLevel& level = hierarchy_.levels[i];
+      if (level.billboards || level.error.bound > trial.error / 2 || level_bytes_[i] > texture_bytes)
+        continue;
+      take_triangles(trial, level.mesh, level_bytes_[i]);
+      return true;
+    }
+    const PolygonMesh mesh =
+        simplified_to_bytes(hierarchy_.levels[level_above(texture_bytes)].mesh, texture_bytes, progress_);
+    const std::size_t bytes = mesh_bytes(mesh);
+    constexpr std::size_t k_samples = 20'000;
+    if (bytes <= texture_bytes && mesh.n_faces() > 0 &&
+        measure_distance(model_, to_soup(mesh), {.samples = k_samples}, progress_).max <= trial.error / 2) {
+      take_triangles(trial, mesh, bytes);
       return true;
     }
     if (model_.n_faces() > options_.most_faces) {
@@ -184,17 +196,25 @@ class FarLevels {
     return false;
   }
 
-  void compare(const BillboardCloud& cloud, FarLevelTrial& trial) {
-    BillboardTextures textures = texture_billboards(model_, cloud, options_.textures, progress_);
+  static void take_triangles(FarLevelTrial& trial, const PolygonMesh& mesh, std::size_t bytes) {
+    trial.triangles = n_triangles(mesh);
+    trial.triangle_bytes = bytes;
+    trial.reason = fmt::format(
+        "triangles: {} of them are off by no more than half of a pixel, in {} bytes; texels take more",
+        trial.triangles, bytes);
+  }
+
+  void compare(const BillboardCloud& cloud, const FarPictures& pictures, FarLevelTrial& trial) {
+    BillboardTextures textures =
+        texture_billboards(model_, cloud, {.texels_per_error = k_texels_per_error}, progress_);
     trial.billboards = textures.billboards.size();
     trial.texels = textures.n_texels();
     trial.billboard_bytes = billboard_bytes(textures);
-    const PolygonMesh triangles =
-        simplified_to_bytes(level_above(hierarchy_, trial.billboard_bytes), trial.billboard_bytes, progress_);
+    const PolygonMesh triangles = simplified_to_bytes(
+        hierarchy_.levels[level_above(trial.billboard_bytes)].mesh, trial.billboard_bytes, progress_);
     trial.triangles = n_triangles(triangles);
     trial.triangle_bytes = mesh_bytes(triangles);
     report_progress(progress_, "compare far levels", 0);
-    const FarPictures pictures(hierarchy_, trial.distance, options_.views);
     trial.triangle_difference = pictures.difference(Scene(triangles));
     const PlacedBillboards placed{std::make_shared<const BillboardTextures>(textures)};
     trial.billboard_difference = pictures.difference(
@@ -202,8 +222,7 @@ class FarLevels {
     trial.takes_billboards = trial.billboard_difference < trial.triangle_difference;
     trial.cloud = std::move(textures);
     trial.reason = fmt::format(
-        "{}: pictures of {} billboards are off by {:.3g}, of {} triangles in no more "
-        "bytes ({}) by {:.3g}",
+        "{}: pictures of {} billboards are off by {:.3g}, of {} triangles in no more bytes ({}) by {:.3g}",
         trial.takes_billboards ? "billboards" : "triangles", trial.billboards, trial.billboard_difference,
         trial.triangles, trial.billboard_bytes, trial.triangle_difference);
   }
@@ -213,6 +232,7 @@ class FarLevels {
   Progress* progress_;
   PolygonSoup model_;
   double area_;
+  std::vector<std::size_t> level_bytes_;  // 0 of billboards
 };
 
 }  // namespace
@@ -220,15 +240,17 @@ class FarLevels {
 std::size_t mesh_bytes(const PolygonMesh& mesh) {
   std::size_t n_vertices = mesh.n_vertices();
   if (mesh.has_corner_normals() || mesh.has_corner_uvs()) {
-    std::set<std::array<double, 6>> corners;
+    std::vector<std::array<double, 6>> corners;
+    corners.reserve(mesh.n_halfedges());
     for (const auto corner : mesh.halfedges()) {
       if (mesh.is_boundary(corner)) continue;
       const Vec3 normal = mesh.has_corner_normals() ? mesh.corner_normal(corner) : Vec3(Vec3::Zero());
       const Vec2 uv = mesh.has_corner_uvs() ? mesh.corner_uv(corner) : Vec2(Vec2::Zero());
-      corners.insert({static_cast<double>(mesh.to_vertex_handle(corner).idx()), normal.x(), normal.y(),
-                      normal.z(), uv.x(), uv.y()});
+      corners.push_back({static_cast<double>(mesh.to_vertex_handle(corner).idx()), normal.x(), normal.y(),
+                         normal.z(), uv.x(), uv.y()});
     }
-    n_vertices = corners.size();
+    std::sort(corners.begin(), corners.end());
+    n_vertices = static_cast<std::size_t>(std::unique(corners.begin(), corners.end()) - corners.begin());
   }
   constexpr std::size_t k_vertex = 28, k_triangle = 12;
   return k_vertex * n_vertices + k_triangle * n_triangles(mesh);
@@ -252,11 +274,17 @@ std::size_t append_far_levels(LodHierarchy& hierarchy, std::vector<FarLevelTrial
   std::size_t n = 0;
   for (FarLevelTrial& trial : trials) {
     if (!trial.takes_billboards || !trial.cloud) continue;
-    LodLevel level = billboard_level(model, std::move(*trial.cloud), trial.reason, progress);
+    LodLevel level = billboard_level(model, std::move(*trial.cloud), "", progress);
     trial.cloud.reset();
     // Behind a level that serves from farther away nobody would see it.
-    while (hierarchy.levels.size() > 1 && hierarchy.levels.back().error.bound > level.error.bound)
+    std::size_t n_replaced = 0;
+    for (; hierarchy.levels.size() > 1 && hierarchy.levels.back().error.bound > level.error.bound;
+         ++n_replaced)
       hierarchy.levels.pop_back();
+    if (n_replaced > 0)
+      trial.reason += fmt::format("; they replace {} {} for larger distances", n_replaced,
+                                  n_replaced == 1 ? "level" : "levels");
+    level.stop_reason = trial.reason;
     append_level(hierarchy, std::move(level));
     ++n;
   }

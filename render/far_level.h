@@ -10,11 +10,6 @@ namespace recede {
 struct FarLevelOptions {
   /// Of the clouds that are tried, as shares of the longest side of the model's box, increasing.
   std::vector<double> relative_errors{0.02, 0.04, 0.08};
-  /// Which constructions are tried.
-  std::vector<BillboardMethod> methods{BillboardMethod::face_clustering, BillboardMethod::plane_cover};
-  BillboardOptions clouds{};  ///< `method` and `errors` are ignored
-  /// More texels than errors ask for show leaves better than as many bytes of triangles.
-  BillboardTextureOptions textures{.texels_per_error = 2};
   int views = 12;  ///< spread over all directions, in which pictures are compared
   /// Of clouds, more faces than these aren't merged, as that takes minutes.
   std::size_t most_faces = 400'000;
@@ -31,8 +26,8 @@ struct FarLevelTrial {
   /// when there were no pictures.
   double billboard_difference = 0, triangle_difference = 0;
   bool takes_billboards = false;
-  std::string reason;
-  std::optional<BillboardTextures> cloud;  ///< if there is one
+  std::string reason{};
+  std::optional<BillboardTextures> cloud{};  ///< if there is one
 };
 
 /// Bytes of a mesh in a renderer's memory: 28 a vertex (position, normal, colour; its copies where faces
@@ -41,17 +36,17 @@ std::size_t mesh_bytes(const PolygonMesh& mesh);
 /// Of textures, and of rectangles with positions, normals, tangents and texture coordinates.
 std::size_t billboard_bytes(const BillboardTextures& textures);
 
-/// For each error, which of both is nearer to the model's pictures with as many bytes, with the construction
-/// for which that differs most. Where a level of the
-/// hierarchy is off by less than half of the cloud's error, and takes fewer bytes than texels for the model's
-/// area would, triangles serve, and no pictures are made. Throws `OptionError` for errors that aren't above 0
-/// and increasing, or without views; `Cancelled`.
+/// For each error, which of both is nearer to the model's pictures with as many bytes. Clusters and planes
+/// are tried, and that which differs most from triangles counts. Where a simplified model with fewer bytes
+/// than texels for the model's area would take is off by less than half of the cloud's error, triangles
+/// serve, and no cloud is built. Throws `OptionError` for errors that aren't above 0 and increasing, or
+/// without views; `Cancelled`.
 std::vector<FarLevelTrial> compare_far_levels(const LodHierarchy& hierarchy,
                                               const FarLevelOptions& options = {},
                                               Progress* progress = nullptr);
 
-/// Appends the clouds that won, as far as they serve from farther away than the last level. Returns the
-/// number.
+/// Appends the clouds that won. They replace levels of triangles that would serve from farther away, and the
+/// trial's reason then says so. Returns the number of clouds.
 std::size_t append_far_levels(LodHierarchy& hierarchy, std::vector<FarLevelTrial>& trials,
                               Progress* progress = nullptr);
 

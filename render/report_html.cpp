@@ -142,7 +142,7 @@ std::string error_plot(const ReportContent& content) {
   for (std::size_t i = 1; i < content.levels.size(); ++i) {
     const double faces = static_cast<double>(content.levels[i].summary.faces);
     const LevelError& error = content.hierarchy.levels[i].error;
-    bound.points.emplace_back(faces, error.bound);
+    if (!content.hierarchy.levels[i].billboards) bound.points.emplace_back(faces, error.bound);
     max.points.emplace_back(faces, error.max);
     rms.points.emplace_back(faces, error.rms);
     if (const auto& accuracy = content.hierarchy.levels[i].map_accuracy) {

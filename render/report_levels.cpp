@@ -177,15 +177,17 @@ std::string level_section(const ReportContent& content, std::size_t index) {
   const LevelContent& drawn = content.levels[index];
   const std::string serves =
       index == 0 ? "The input."
-                 : fmt::format("Serves from distance {} on; off by at most {} object units.",
-                               short_number(level.switch_distance), short_number(level.error.bound));
+                 : fmt::format("Serves from distance {} on; off by {} {} object units.",
+                               short_number(level.switch_distance), level.billboards ? "about" : "at most",
+                               short_number(level.error.bound));
   std::string html = fmt::format(
       "<section class=\"level\" id=\"level-{0}\"><div><h3>Level {0}: {1} faces</h3>\n"
       "<p class=\"faint\">{2}</p>\n<dl>\n{3}</dl></div>\n<div class=\"pictures\">\n",
       index, grouped(drawn.summary.faces), serves, level_facts(content, index));
   if (drawn.at_switch) html += switch_shot(*drawn.at_switch, index);
   html += shot(image_tag(drawn.close_up, fmt::format("Level {} from near", index)),
-               fmt::format("Level {} from near, with the polygons' sides.", index));
+               fmt::format("Level {} from near{}.", index,
+                           level.billboards ? ", as billboards" : ", with the polygons' sides"));
   if (drawn.at_switch) html += comparison_shots(*drawn.at_switch);
   if (drawn.maps) html += map_shots(*drawn.maps, level.maps.value(), index);
   return html + "</div>\n</section>\n";

@@ -4,6 +4,8 @@
 #include <recede/lod/billboard_cloud.h>
 #include <recede/lod/detail/surface_moments.h>
 
+#include <algorithm>
+#include <limits>
 #include <span>
 
 namespace recede::detail {
@@ -25,6 +27,21 @@ struct BillboardFaces {
     return {corners.data() + offsets[face], offsets[face + 1] - offsets[face]};
   }
 };
+
+/// Of a face's points along a direction.
+struct FaceReach {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+};
+
+inline FaceReach reach_of(const BillboardFaces& faces, Index face, const Vec3& direction) {
+  FaceReach reach;
+  for (const Index corner : faces.corners_of(face)) {
+    const double at = faces.points[corner].dot(direction);
+    reach.low = std::min(reach.low, at);
+    reach.high = std::max(reach.high, at);
+  }
+  return reach;
+}
 
 /// Throws `InputError` where no face has an area.
 BillboardFaces billboard_faces_of(const PolygonSoup& model);

@@ -29,6 +29,7 @@ from ._recede import (
     BakedMaps,
     BakeResult,
     BillboardCloud,
+    BillboardReflectance,
     CadInstance,
     CadModel,
     CadPart,
@@ -58,13 +59,13 @@ from . import _recede
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
 
 __all__ = [
-    "Appearance", "AreaLight", "Atlas", "BakeResult", "BakedMaps", "BillboardCloud", "CadInstance", "CadModel", "CadPart",
+    "Appearance", "AreaLight", "Atlas", "BakeResult", "BakedMaps", "BillboardCloud", "BillboardReflectance", "CadInstance", "CadModel", "CadPart",
     "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph",
     "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance",
     "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh",
     "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "bake", "bake_maps", "build_billboards", "build_progressive",
-    "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas", "make_displaced_sphere",
-    "make_teapot", "make_tree", "read", "read_appearance", "read_cad", "read_image", "render", "set_threads",
+    "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas", "make_billboard_reflectance", "make_displaced_sphere",
+    "make_teapot", "make_tree", "read", "read_appearance", "read_billboard_reflectance", "read_cad", "read_image", "render", "set_threads",
     "simplify", "simplify_levels", "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
 ]
 
@@ -282,7 +283,7 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
 
 def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
                      relative_errors: Sequence[float] | None = None, method: str = "clusters",
-                     normal_deviation: float = 60, waste: float = 3, two_sided: bool = False, neighbours: int = 50,
+                     normal_deviation: float = 60, waste: float = 4, two_sided: bool = False, neighbours: int = 50,
                      textures: bool = True, texels_per_error: float = 1, samples: int = 4, overlap: int = 2,
                      gutter: int = 1, budget: int | None = None,
                      progress: Progress | None = None) -> list[BillboardCloud]:
@@ -316,6 +317,28 @@ def write_billboards(folder: Path, mesh: Mesh, clouds: Sequence[BillboardCloud],
     """
     view = {"image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error}
     return _recede.write_billboards(folder, mesh, list(clouds), name, view, progress)
+
+
+def make_billboard_reflectance(mesh: Mesh, cloud: BillboardCloud, *, view_side: int = 7, light_side: int = 7,
+                               samples: int = 4, shaded: int = 8, bounces: int = 1, largest_share: float = 0.01,
+                               memory: float = 2e9, progress: Progress | None = None) -> BillboardReflectance:
+    """What each texel of a cloud with textures sends of each light to each viewer, with shadows: for `render`.
+
+    `mesh` is what the cloud was made of. There are `view_side` x `view_side` views over each side of a rectangle, and twice
+    `light_side` x `light_side` lights around it. In each view `samples` rays along each side of a texel say what share of it
+    is covered; `shaded` of them at most look for lights, and light goes from face to face `bounces` times. The result takes
+    at most `largest_share` of the values as halves; while it is made, values take `memory` bytes. Takes up to minutes.
+
+    Raises `OptionError` for what is out of range and for clouds without textures, `InputError` for another mesh's cloud.
+    """
+    settings = {"view_side": view_side, "light_side": light_side, "samples": samples, "shaded": shaded, "bounces": bounces,
+                "largest_share": largest_share, "memory": memory}
+    return _recede.make_billboard_reflectance(mesh, cloud, settings, progress)
+
+
+def read_billboard_reflectance(path: Path) -> BillboardReflectance:
+    """What `BillboardReflectance.write` or `recede billboards --reflectance` wrote. Raises `InputError` for anything else."""
+    return _recede.read_billboard_reflectance(path)
 
 
 class ProgressiveMesh:
@@ -532,13 +555,14 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
     return _recede.subdivide(mesh, options, progress)
 
 
-def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
+def render(surface: Mesh | BakedMaps | BillboardCloud, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
            up: Sequence[float] = (0, 1, 0), field_of_view: float = 45, image_width: int = 800, image_height: int = 600,
            samples: int = 16, wireframe: bool = False, flat: bool = False, ground: bool = False,
            lighting: str = "camera", lights: Sequence[Light] | None = None, ambient: float = 0.1, bounces: int = 4,
            noise: float = 0, light_sampling: str = "both", periodic: bool = False, subdivision_level: int | None = None,
            appearance: Appearance | None = None, representation: str = "auto", transition_distance: float | None = None,
-           show_methods: bool = False, progress: Progress | None = None) -> np.ndarray:
+           show_methods: bool = False, reflectance: BillboardReflectance | None = None,
+           progress: Progress | None = None) -> np.ndarray:
     """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
 
     Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
@@ -560,6 +584,9 @@ def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, ey
     for all. Methods change around `transition_distance` from the camera, object units (None: where a wave of heights
     covers two pixels). `show_methods` gives false colours: green is displacement, blue the bump map, red the table.
 
+    A cloud of billboards is drawn with the heights of its textures, or by its `reflectance`
+    (`make_billboard_reflectance`).
+
     Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read, for maps without
     heights and for a mesh without texture coordinates.
     """
@@ -569,11 +596,14 @@ def render(surface: Mesh | BakedMaps, height: npt.ArrayLike | None = None, *, ey
                "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
                "wireframe": wireframe, "flat": flat, "ground": ground, "height": height, "periodic": periodic,
                "subdivision_level": subdivision_level, "appearance": appearance, "representation": representation,
-               "transition_distance": transition_distance, "show_methods": show_methods}
+               "transition_distance": transition_distance, "show_methods": show_methods, "reflectance": reflectance}
     if appearance is not None and height is None and not isinstance(surface, BakedMaps):
         raise TypeError("an appearance is that of heights, and there are none")
-    if not isinstance(surface, (Mesh, BakedMaps)) or (height is not None and not isinstance(surface, Mesh)):
-        raise TypeError("render takes baked maps, a mesh, or a mesh and its heights")
+    if reflectance is not None and not isinstance(surface, BillboardCloud):
+        raise TypeError("a reflectance is that of billboards, and there are none")
+    is_surface = isinstance(surface, (Mesh, BakedMaps, BillboardCloud))
+    if not is_surface or (height is not None and not isinstance(surface, Mesh)):
+        raise TypeError("render takes a mesh, a mesh and its heights, baked maps, or billboards")
     return _recede.render(surface, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)
 
 

@@ -288,6 +288,21 @@ class DicedView:
     def report(self) -> dict[str, Any]:
         """Counts by stage, `largest_move` (units of the mesh) and `seconds`"""
 
+class BillboardReflectance:
+    """What the texels of a cloud send of each light to each viewer. See `recede.make_billboard_reflectance`."""
+    @property
+    def bytes(self) -> int: ...
+    @property
+    def raw_bytes(self) -> int:
+        """As halves, without compression"""
+    @property
+    def rms(self) -> float:
+        """Error of the compression, as a share of the values' range"""
+    @property
+    def n_vectors(self) -> int:
+        """Texels that show something; twice as many for two-sided faces"""
+    def write(self, path: _Path) -> None: ...
+
 class BillboardCloud:
     """Rectangles for the faces of a mesh; n of them. Textures are None without `textures`."""
     @property
@@ -578,6 +593,10 @@ class CadModel:
 def build_billboards(
     mesh: Mesh, settings: dict[str, Any], textures: bool, progress: _Progress
 ) -> list[BillboardCloud]: ...
+def make_billboard_reflectance(
+    mesh: Mesh, cloud: BillboardCloud, settings: Mapping[str, Any], progress: _Progress
+) -> BillboardReflectance: ...
+def read_billboard_reflectance(path: _Path) -> BillboardReflectance: ...
 def write_billboards(
     folder: _Path, mesh: Mesh, clouds: Sequence[BillboardCloud], name: str, view: dict[str, Any], progress: _Progress
 ) -> Path: ...

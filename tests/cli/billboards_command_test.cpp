@@ -107,6 +107,36 @@ TEST(BillboardsCommand, KeepsToABudget) {
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--budget", "7"}), 2), HasSubstr("too few"));
 }
 
+TEST(BillboardsCommand, WritesReflectanceThatRenderDraws) {
+  const TempFolder folder;
+  // Two leaves, one over the other.
+  folder.write(
+      "leaves.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.2 0.2 0.4\nv 0.8 0.2 0.4\nv 0.8 0.8 0.4\nv 0.2 0.8 0.4\n"
+      "f 1 2 3 4\nf 5 6 7 8\n");
+  const std::string leaves = folder / "leaves.obj", out = folder / "out", drawn = out + "/leaves.recede";
+  const nlohmann::json result = json_of(run_recede(
+      {"billboards", leaves, "--folder", out, "--errors", "0.2", "--two-sided", "--reflectance", "--json"}));
+  const nlohmann::json& written = result["clouds"][0]["reflectance"];
+  EXPECT_EQ(written["file"], drawn + "/level_0.reflectance");
+  EXPECT_LT(written["bytes"], written["raw_bytes"]);
+  EXPECT_LT(written["rms"], 0.1);
+  const auto picture_of = [&](std::vector<std::string> options) {
+    std::vector<std::string> command{
+        "render",         drawn, "-o",         folder / "p.png", "--image-width", "30",
+        "--image-height", "30",  "--lighting", "direct"};
+    command.insert(command.end(), options.begin(), options.end());
+    EXPECT_EQ(run_recede(command).code, 0);
+    return read_png(folder / "p.png").samples;
+  };
+  EXPECT_NE(picture_of({}), picture_of({"--reflectance"}));
+  std::filesystem::remove(drawn + "/level_0.reflectance");
+  EXPECT_THAT(complaint_of(run_recede({"render", drawn, "-o", folder / "p.png", "--reflectance"}), 1),
+              HasSubstr("level_0.reflectance: isn't there"));
+  EXPECT_THAT(complaint_of(run_recede({"render", "sphere", "-o", folder / "p.png", "--reflectance"}), 2),
+              HasSubstr("no billboards"));
+}
+
 TEST(BillboardsCommand, SaysWhatCantBe) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 100), out = folder / "cloud.ply";
@@ -115,6 +145,7 @@ TEST(BillboardsCommand, SaysWhatCantBe) {
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--method", "magic"}), 2), HasSubstr("magic"));
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "-o", "cloud.doc"}), 1), HasSubstr("cloud.doc"));
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--mipmaps", "2"}), 2), HasSubstr("--folder"));
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--reflectance"}), 2), HasSubstr("--folder"));
   EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--folder", sphere}), 1), HasSubstr("folder"));
   EXPECT_THAT(
       complaint_of(run_recede({"billboards", sphere, "--folder", folder / "out", "--errors", "1e-7"}), 2),

@@ -135,7 +135,8 @@ TEST(BillboardCloud, LeavesOutFacesWithoutArea) {
   EXPECT_EQ(cloud.left_out, 1u);
 }
 
-// As many as a prototype of the method has, and area as it has: 147 and 1.6 at a hundredth, within a tenth.
+// As many as a prototype of the method by waste alone has, 147 at a hundredth, within a tenth. That has an
+// area of 1.6 times the faces'.
 TEST(BillboardCloud, OfABallHasAsManyBillboardsAsItShould) {
   const PolygonSoup model = uv_ball(36);
   const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
@@ -145,16 +146,21 @@ TEST(BillboardCloud, OfABallHasAsManyBillboardsAsItShould) {
     expect_cloud(model, cloud, {}, 1);
     double area = 0;
     for (const Billboard& billboard : cloud.billboards) area += billboard.area();
-    EXPECT_LT(area, 1.67 * std::numbers::pi);
+    EXPECT_LT(area, 1.4 * std::numbers::pi);
   }
 }
 
-// A prototype has 18. Many pairs cost the same, and which goes first is chance: points moved by 1e-5 at
-// random gave 29 to 37 in five trials, with lists of neighbours of any length.
-TEST(BillboardCloud, OfATubeHasFewBillboards) {
+// A prototype by waste alone has 18. Three strips hold all directions around, none more than 60 degrees off.
+TEST(BillboardCloud, OfATubeIsAFewStrips) {
   const PolygonSoup model = tube(0.075, 64, 60);
   const std::vector<BillboardCloud> clouds = build_billboard_clouds(model);
-  EXPECT_LE(clouds[1].billboards.size(), 37u);
+  EXPECT_LE(clouds[1].billboards.size(), 8u);
+  // Many pairs cost the same; which goes first mustn't matter.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> off(-1e-5, 1e-5);
+  PolygonSoup moved = model;
+  for (Vec3& point : moved.positions) point += Vec3(off(random), off(random), off(random));
+  EXPECT_LE(build_billboard_clouds(moved)[1].billboards.size(), 8u);
   for (const BillboardCloud& cloud : clouds) expect_cloud(model, cloud, {}, 1);
 }
 
@@ -167,9 +173,24 @@ TEST(BillboardCloud, OfLooseLeavesSharesBillboardsFromBothSides) {
   const std::vector<BillboardCloud> clouds = build_billboard_clouds(model, options);
   for (const BillboardCloud& cloud : clouds) expect_cloud(model, cloud, options, 1);
   EXPECT_LT(clouds[2].billboards.size(), model.n_faces() / 4);
-  BillboardOptions one_sided = options;
-  one_sided.is_two_sided = false;
-  EXPECT_GT(build_billboard_clouds(model, one_sided)[2].billboards.size(), clouds[2].billboards.size());
+}
+
+TEST(BillboardCloud, OfASheetOfLeavesTurnedAnyhowIsOneFromBothSides) {
+  // 6 x 6 squares in a plane, every other one upside down.
+  PolygonSoup model;
+  for (Index i = 0; i < 36; ++i) {
+    const double x = i % 6, y = i / 6;
+    for (const Vec2& corner : {Vec2(0, 0), Vec2(0.9, 0), Vec2(0.9, 0.9), Vec2(0, 0.9)})
+      model.positions.emplace_back(x + corner.x(), y + corner.y(), 0);
+    const Index a = 4 * i;
+    model.add_face(i % 2 == 0 ? std::array<Index, 4>{a, a + 1, a + 2, a + 3}
+                              : std::array<Index, 4>{a + 3, a + 2, a + 1, a});
+  }
+  BillboardOptions options;
+  options.errors = {0.1};
+  EXPECT_GE(build_billboard_clouds(model, options)[0].billboards.size(), 2u);
+  options.is_two_sided = true;
+  EXPECT_EQ(build_billboard_clouds(model, options)[0].billboards.size(), 1u);
 }
 
 TEST(BillboardCloud, UnitesBillboardsFromErrorToError) {

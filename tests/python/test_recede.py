@@ -429,6 +429,35 @@ def test_billboards_keep_to_a_budget_and_are_written_as_levels(tmp_path):
         recede.build_billboards(tree, method="magic")
 
 
+def test_billboards_are_drawn_by_heights_and_by_their_reflectance(tmp_path):
+    tree = recede.make_tree(leaves=30)
+    (cloud,) = recede.build_billboards(tree, relative_errors=[0.1], two_sided=True)
+    reflectance = recede.make_billboard_reflectance(tree, cloud, view_side=3, light_side=3, samples=2, shaded=2,
+                                                    largest_share=0.2)
+    assert 0 < reflectance.bytes < reflectance.raw_bytes and reflectance.n_vectors > 0
+    reflectance.write(tmp_path / "tree.reflectance")
+    again = recede.read_billboard_reflectance(tmp_path / "tree.reflectance")
+    assert again.bytes == reflectance.bytes and again.rms == reflectance.rms
+    size = {"image_width": 40, "image_height": 40, "samples": 4, "lighting": "direct"}
+    by_heights = recede.render(cloud, **size)
+    by_reflectance = recede.render(cloud, reflectance=again, **size)
+    background = by_heights[0, 0]
+    for picture in (by_heights, by_reflectance):
+        assert picture.shape == (40, 40, 3) and (picture != background).any()
+    assert (by_heights != by_reflectance).any()
+    assert (recede.render(cloud, reflectance=reflectance, **size) == by_reflectance).all()
+    with pytest.raises(TypeError, match="billboards"):
+        recede.render(tree, reflectance=reflectance)
+    (other,) = recede.build_billboards(tree, relative_errors=[0.05], two_sided=True)
+    with pytest.raises(recede.InputError, match="reflectance"):
+        recede.render(other, reflectance=reflectance)
+    (bare,) = recede.build_billboards(tree, relative_errors=[0.1], textures=False)
+    with pytest.raises(recede.OptionError, match="without textures"):
+        recede.make_billboard_reflectance(tree, bare)
+    with pytest.raises(recede.OptionError, match="without textures"):
+        recede.render(bare)
+
+
 def test_bake_ends_a_tree_with_billboards(tmp_path):
     result = recede.bake(recede.make_tree(), tmp_path, ratios=[0.5], report=False)
     assert result.levels[-1].is_billboards and not result.levels[0].is_billboards

@@ -55,6 +55,19 @@ TEST(FarLevels, OfABallAreTriangles) {
   EXPECT_EQ(hierarchy.levels.size(), 3u);
 }
 
+TEST(FarLevels, SayWhichLevelsTheyReplace) {
+  HierarchyOptions options;
+  options.ratios = {0.25, 0.001};
+  LodHierarchy hierarchy =
+      build_hierarchy(repair_to_polygon_mesh(make_tree({.leaves = 300})).mesh, "model", options);
+  ASSERT_EQ(hierarchy.levels.size(), 3u);
+  std::vector<FarLevelTrial> trials = compare_far_levels(hierarchy, {.relative_errors = {0.08}, .views = 6});
+  ASSERT_LT(1.5 * trials[0].error, hierarchy.levels[2].error.bound);
+  ASSERT_EQ(append_far_levels(hierarchy, trials), 1u) << trials[0].reason;
+  EXPECT_THAT(trials[0].reason, HasSubstr("replace"));
+  EXPECT_EQ(hierarchy.levels.back().stop_reason, trials[0].reason);
+}
+
 TEST(FarLevels, OfVeryManyFacesAreLeftAlone) {
   const LodHierarchy hierarchy = hierarchy_of(make_tree({.leaves = 100}));
   const std::vector<FarLevelTrial> trials =
