@@ -73,9 +73,8 @@ BillboardLook::BillboardLook(const PlacedBillboards& placed, const Vec3& center,
 Box3 BillboardLook::bounds(std::uint32_t primitive) const {
   const Frame& frame = frame_of(primitive);
   const Eigen::Affine3d& to_scene = to_scene_[primitive / frames_.size()];
-  const Vec3 u = (0.5 * frame.width + k_beyond) * frame.texel_u * frame.axis_u,
-             v = (0.5 * frame.height + k_beyond) * frame.texel_v * frame.axis_v,
-             n = k_height_room * range_ * frame.normal;
+  const Vec3 u = 0.5 * frame.width * frame.texel_u * frame.axis_u,
+             v = 0.5 * frame.height * frame.texel_v * frame.axis_v, n = k_height_room * range_ * frame.normal;
   Box3 box;
   for (int k = 0; k < 8; ++k) {
     const Vec3 corner = frame.center + ((k & 1) != 0 ? u : Vec3(-u)) + ((k & 2) != 0 ? v : Vec3(-v)) +
@@ -283,8 +282,8 @@ bool BillboardLook::first_crossing(std::uint32_t primitive, const Vec3f& origin,
   const double reach = k_height_room * range_;
   double from = least, to = most;
   if (!clip(ray.origin.z(), ray.direction.z(), -reach, reach, from, to) ||
-      !clip(ray.origin.x(), ray.direction.x(), -k_beyond, frame.width + k_beyond, from, to) ||
-      !clip(ray.origin.y(), ray.direction.y(), -k_beyond, frame.height + k_beyond, from, to))
+      !clip(ray.origin.x(), ray.direction.x(), 0, frame.width, from, to) ||
+      !clip(ray.origin.y(), ray.direction.y(), 0, frame.height, from, to))
     return false;
   const Vec3 at = ray.origin + from * ray.direction;
   // Cells lie between the middles of texels.

@@ -18,9 +18,6 @@ class BillboardLook {
  public:
   /// Heights reach as much farther than their range beyond the outer texels' middles.
   static constexpr double k_height_room = 1.25;
-  /// Texels that surfaces go on beyond their rectangles, whose sides end where faces of neighbours begin:
-  /// there both have heights of their own, which differ by some hundredths of a texel on what is curved.
-  static constexpr double k_beyond = 0.015;
 
   /// `scale` and `center` are those of the scene.
   BillboardLook(const PlacedBillboards& billboards, const Vec3& center, double scale);

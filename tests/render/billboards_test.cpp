@@ -1,7 +1,6 @@
 #include "sanitized.h"
 #include "uv_ball.h"
 #include <recede/geometry/error.h>
-#include <recede/render/detail/billboard_look.h>
 #include <recede/render/detail/surface_point.h>
 #include <recede/render/renderer.h>
 
@@ -80,9 +79,7 @@ PolygonSoup tessellated(const BillboardTextures& textures, int parts) {
   const int columns = place.width * parts, rows = place.height * parts;
   for (int j = 0; j <= rows; ++j) {
     for (int i = 0; i <= columns; ++i) {
-      const double beyond = detail::BillboardLook::k_beyond;
-      const double x = (1 + 2 * beyond / place.width) * i / parts - beyond,
-                   y = (1 + 2 * beyond / place.height) * j / parts - beyond;
+      const double x = static_cast<double>(i) / parts, y = static_cast<double>(j) / parts;
       soup.positions.push_back(billboard.center +
                                (2 * x / place.width - 1) * billboard.half_sizes.x() * billboard.axis_u +
                                (1 - 2 * y / place.height) * billboard.half_sizes.y() * billboard.axis_v +
