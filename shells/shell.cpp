@@ -1,0 +1,150 @@
+#include <recede/geometry/detail/nearest_points.h>
+#include <recede/geometry/error.h>
+#include <recede/shells/detail/shell_directors.h>
+#include <recede/shells/detail/shell_repair.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace recede {
+
+namespace {
+
+void check(const ShellOptions& options, std::size_t n_vertices, double diagonal) {
+  if (options.thicknesses.empty()) {
+    if (!(options.thickness > 0)) throw OptionError("a shell's thickness is above 0");
+  } else if (options.thicknesses.size() != n_vertices) {
+    throw OptionError(fmt::format("there are {} thicknesses for {} vertices", options.thicknesses.size(), n_vertices));
+  }
+  for (const double thickness : options.thicknesses) {
+    if (!(thickness > 0)) throw OptionError("a shell's thickness is above 0 at each vertex");
+  }
+  const double most = options.thicknesses.empty()
+                          ? options.thickness
+                          : *std::max_element(options.thicknesses.begin(), options.thicknesses.end());
+  if (!(most <= diagonal))
+    throw OptionError(
+        fmt::format("a shell's thickness ({:.6g}) is at most the diagonal of the surface's box ({:.6g})", most, diagonal));
+  if (!(options.step > 0 && options.step <= 1)) throw OptionError("steps of directors are above 0 and at most 1");
+  if (!(options.border_extension >= 0 && std::isfinite(options.border_extension)))
+    throw OptionError("a border's extension is 0 or more");
+}
+
+// Triangles with the attributes of the polygons.
+PolygonSoup triangles_of(const PolygonSoup& surface) {
+  validate(surface, "shell");
+  if (surface.n_faces() == 0) throw InputError("a shell needs a surface with faces");
+  PolygonSoup base = triangulated(surface);
+  base.corner_normals.clear();
+  return base;
+}
+
+std::vector<Index> all_vertices(std::size_t n) {
+  std::vector<Index> vertices(n);
+  std::iota(vertices.begin(), vertices.end(), Index{0});
+  return vertices;
+}
+
+void find_layers_that_meet(Shell& shell, Progress* progress) {
+  shell.layers_meet.clear();
+  if (!shell.exterior || !shell.interior) return;
+  ShellValidity across =
+      check_shell(shell.interior->tops, shell.exterior->tops, shell.base.corner_vertices, {}, progress);
+  shell.layers_meet = std::move(across.layer_contacts);
+}
+
+// Within reach of faces with a changed vertex, where they were and where they are.
+std::vector<Index> vertices_near_changes(const PolygonSoup& before, const PolygonSoup& after,
+                                         std::span<const Index> changed, double reach) {
+  std::vector<unsigned char> has_changed(after.positions.size(), 0);
+  for (const Index v : changed) {
+    if (v >= has_changed.size()) throw InputError(fmt::format("vertex {} isn't one of the shell's", v));
+    has_changed[v] = 1;
+  }
+  std::vector<Vec3> places;
+  double longest = 0;
+  for (std::size_t t = 0; t < after.n_faces(); ++t) {
+    const std::span<const Index> corners = after.face(t);
+    if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return has_changed[v] != 0; })) continue;
+    for (const PolygonSoup* soup : {&before, &after}) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &at = soup->positions[corners[k]], &next = soup->positions[corners[(k + 1) % 3]];
+        places.push_back(at);
+        longest = std::max(longest, (next - at).norm());
+      }
+    }
+  }
+  std::vector<Index> near;
+  if (places.empty()) return near;
+  const detail::NearestPoints nearest(std::move(places));
+  for (Index v = 0; v < after.positions.size(); ++v) {
+    if (nearest.distance(after.positions[v]) <= reach + longest) near.push_back(v);
+  }
+  return near;
+}
+
+template <typename Visit>
+void each_layer(Shell& shell, ShellSide side, Visit&& visit) {
+  if (side != ShellSide::interior) {
+    if (!shell.exterior) shell.exterior.emplace();
+    visit(*shell.exterior, 1.0);
+  }
+  if (side != ShellSide::exterior) {
+    if (!shell.interior) shell.interior.emplace();
+    visit(*shell.interior, -1.0);
+  }
+}
+
+}  // namespace
+
+bool Shell::is_valid() const {
+  return (!exterior || exterior->validity.is_valid()) && (!interior || interior->validity.is_valid()) &&
+         layers_meet.empty();
+}
+
+Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progress* progress) {
+  Shell shell;
+  shell.base = triangles_of(surface);
+  const std::size_t n = shell.base.positions.size();
+  check(options, n, bounding_box(shell.base).diagonal().norm());
+  shell.thicknesses =
+      options.thicknesses.empty() ? std::vector<double>(n, options.thickness) : options.thicknesses;
+  const detail::ShellSurface seen = detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);
+  const std::vector<Index> vertices = all_vertices(n);
+  each_layer(shell, options.side, [&](ShellLayer& layer, double side) {
+    detail::TracedDirectors traced =
+        detail::trace_directors(seen, vertices, shell.thicknesses, side, options, progress);
+    layer.traced = std::move(traced.ends);
+    layer.evaluations = traced.evaluations;
+    detail::repair_layer(seen, side, options.repair, layer, progress);
+  });
+  find_layers_that_meet(shell, progress);
+  return shell;
+}
+
+std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
+                         const ShellOptions& options, Progress* progress) {
+  const PolygonSoup base = triangles_of(surface);
+  if (base.corner_vertices != shell.base.corner_vertices || base.positions.size() != shell.base.positions.size())
+    throw InputError("a shell's surface keeps its triangles when it is deformed");
+  check(options, base.positions.size(), bounding_box(base).diagonal().norm());
+  const double thickest = *std::max_element(shell.thicknesses.begin(), shell.thicknesses.end());
+  const double reach = (options.field.form == LpForm::calibrated ? 3.5 : 4) * thickest;
+  const std::vector<Index> vertices = vertices_near_changes(shell.base, base, changed_vertices, reach);
+  shell.base = base;
+  const detail::ShellSurface seen = detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);
+  each_layer(shell, options.side, [&](ShellLayer& layer, double side) {
+    const detail::TracedDirectors traced =
+        detail::trace_directors(seen, vertices, shell.thicknesses, side, options, progress);
+    for (std::size_t i = 0; i < vertices.size(); ++i) layer.traced[vertices[i]] = traced.ends[i];
+    layer.evaluations = traced.evaluations;
+    detail::repair_layer(seen, side, options.repair, layer, progress);
+  });
+  find_layers_that_meet(shell, progress);
+  return vertices.size();
+}
+
+}  // namespace recede

@@ -1,0 +1,110 @@
+// Shells: a layer of space over a surface, in which detail lives. Every vertex of the surface has a director,
+// a straight line to the layer's other side, and prisms over the triangles fill the space between.
+//
+// Peng 2004, "Thick Surfaces" (thesis, New York University), sections 3.1, 4.1 to 4.7: directors follow the
+// gradient of an averaged distance, which gets shorter where there is less room. That shells are valid, or
+// why they aren't, is proved here; the source can't promise it.
+#pragma once
+
+#include <recede/geometry/polygon_soup.h>
+#include <recede/geometry/progress.h>
+#include <recede/shells/lp_distance.h>
+#include <recede/shells/shell_validity.h>
+
+#include <optional>
+#include <vector>
+
+namespace recede {
+
+enum class ShellSide { exterior, interior, envelope };
+
+/// Where directors lead.
+enum class DirectorMethod {
+  averaged_distance,  ///< along the gradient of `LpDistance`
+  exact_distance,     ///< along the extended gradient: jumps where several points are nearest
+  normals             ///< along the vertices' normals, as far as asked for
+};
+
+struct ShellOptions {
+  double thickness = 0;  ///< object units, above 0
+  std::vector<double> thicknesses{};  ///< instead, one of each vertex, above 0
+  ShellSide side = ShellSide::exterior;
+  DirectorMethod method = DirectorMethod::averaged_distance;
+  /// Of averaged distances. `support` is set to twice the largest thickness.
+  LpDistanceOptions field{};
+  /// Steps are at most this share of the thickness and turn by at most as many radians: 0.1 is interactive, 0.05
+  /// precise.
+  double step = 0.1;
+  /// Past open borders the field sees the surface go on this far, in thicknesses, so that directors don't bend
+  /// outwards.
+  double border_extension = 2.5;
+  bool repair = true;  ///< shortens directors until the layer is valid
+};
+
+/// One layer: from the surface to the ends of the directors.
+struct ShellLayer {
+  std::vector<Vec3> tops{};    ///< of each vertex: where its director ends
+  std::vector<Vec3> traced{};  ///< the same before any repair
+  ShellValidity validity{};    ///< of `tops`; of `traced` without repair
+  std::size_t inverted_before = 0, contacts_before = 0;  ///< prisms and pairs that repair found
+  std::size_t shortened = 0;   ///< directors that repair changed
+  int repair_rounds = 0;
+  std::size_t evaluations = 0;  ///< of the field
+};
+
+struct Shell {
+  /// The surface: triangles, with the attributes of the input.
+  PolygonSoup base{};
+  std::vector<double> thicknesses{};  ///< that were asked for, of each vertex
+  std::optional<ShellLayer> exterior{}, interior{};
+  /// Of an envelope: triangles of both layers' tops that meet.
+  ShellValidity::Pairs layers_meet{};
+
+  bool is_valid() const;
+};
+
+/// Builds the layers over a surface. Polygons become triangles (`triangulate`); vertices are those of the soup,
+/// so merge identical ones first.
+///
+/// Directors start along the normals, which see all faces of a vertex where a direction does, and follow the
+/// field in steps that turn little; how far they get is what thickness there is room for (`mean_thickness`).
+/// They are straight: the layer's points are those between a triangle and the triangle of the directors' ends.
+///
+/// With `repair`, directors of prisms that are inverted or meet others are shortened in rounds, and turned
+/// towards the normals where they lean too far, until `check_shell` finds nothing. Where the surface meets
+/// itself, or a vertex has no direction in front of all its faces, no layer is valid: `validity` then says
+/// where.
+///
+/// Same result for any number of threads. Throws `InputError` for a soup that `validate` refuses or without
+/// area, `OptionError` for options out of range or a thickness beyond the diagonal of the surface's box, and
+/// `Cancelled`.
+Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progress* progress = nullptr);
+
+/// After the surface was deformed: `surface` has the shell's triangles with other positions of
+/// `changed_vertices`. Directors are traced anew only where the field reaches (3.5 thicknesses from old and new
+/// places of the faces around these vertices, 4 of `LpForm::averaged`); then the layers are repaired. Options
+/// are those of the shell. Returns the number of directors traced.
+std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
+                         const ShellOptions& options, Progress* progress = nullptr);
+
+/// A place of a layer: inside of triangle `triangle` with the weights `weights` of its corners, and from 0 at
+/// the surface to 1 at the top.
+struct ShellPlace {
+  Index triangle = k_no_index;
+  Vec3 weights = Vec3::Zero();
+  double height = 0;
+};
+
+Vec3 shell_point(const Shell& shell, const ShellLayer& layer, const ShellPlace& place);
+
+/// The place in a triangle's prism of a point of space, by Newton's method: none where the point is outside.
+std::optional<ShellPlace> place_in_prism(const Shell& shell, const ShellLayer& layer, Index triangle,
+                                         const Vec3& point);
+
+/// Lengths of directors over thicknesses asked for; the mean is over all vertices with triangles.
+struct ShellThickness {
+  double least = 0, mean = 0, most = 0;
+};
+ShellThickness reached_thickness(const Shell& shell, const ShellLayer& layer);
+
+}  // namespace recede

@@ -1,0 +1,83 @@
+#include <recede/shells/shell.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recede {
+
+namespace {
+
+// The corners of a prism.
+struct Prism {
+  std::array<Vec3, 3> bottom, top;
+
+  Vec3 corner(std::size_t k, double height) const { return (1 - height) * bottom[k] + height * top[k]; }
+  Vec3 point(const Vec3& weights, double height) const {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) sum += weights[static_cast<Eigen::Index>(k)] * corner(k, height);
+    return sum;
+  }
+};
+
+Prism prism_of(const Shell& shell, const ShellLayer& layer, Index triangle) {
+  Prism prism;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Index v = shell.base.face(triangle)[k];
+    prism.bottom[k] = shell.base.positions[v];
+    prism.top[k] = layer.tops[v];
+  }
+  return prism;
+}
+
+}  // namespace
+
+Vec3 shell_point(const Shell& shell, const ShellLayer& layer, const ShellPlace& place) {
+  return prism_of(shell, layer, place.triangle).point(place.weights, place.height);
+}
+
+std::optional<ShellPlace> place_in_prism(const Shell& shell, const ShellLayer& layer, Index triangle,
+                                         const Vec3& point) {
+  const Prism prism = prism_of(shell, layer, triangle);
+  const double size = (prism.top[0] - prism.bottom[0]).norm() + (prism.bottom[1] - prism.bottom[0]).norm() +
+                      (prism.bottom[2] - prism.bottom[0]).norm();
+  constexpr int k_most_steps = 32;
+  constexpr double k_close = 1e-12, k_outside = 1e-9;  // of the prism's size; of weights and heights
+  Vec3 weights = Vec3::Constant(1.0 / 3);
+  double height = 0.5;
+  for (int step = 0; step < k_most_steps; ++step) {
+    const Vec3 off = point - prism.point(weights, height);
+    if (off.norm() <= k_close * size) break;
+    Vec3 up = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k)
+      up += weights[static_cast<Eigen::Index>(k)] * (prism.top[k] - prism.bottom[k]);
+    Eigen::Matrix3d jacobian;
+    jacobian << prism.corner(1, height) - prism.corner(0, height),
+        prism.corner(2, height) - prism.corner(0, height), up;
+    const Vec3 move = jacobian.partialPivLu().solve(off);
+    if (!move.allFinite()) return {};
+    weights += Vec3(-move.x() - move.y(), move.x(), move.y());
+    height += move.z();
+  }
+  if (!((point - prism.point(weights, height)).norm() <= 1e3 * k_close * size)) return {};
+  if (weights.minCoeff() < -k_outside || height < -k_outside || height > 1 + k_outside) return {};
+  return ShellPlace{triangle, weights, height};
+}
+
+ShellThickness reached_thickness(const Shell& shell, const ShellLayer& layer) {
+  std::vector<unsigned char> is_used(shell.base.positions.size(), 0);
+  for (const Index v : shell.base.corner_vertices) is_used[v] = 1;
+  ShellThickness reached{std::numeric_limits<double>::infinity(), 0, 0};
+  std::size_t n = 0;
+  for (std::size_t v = 0; v < is_used.size(); ++v) {
+    if (is_used[v] == 0) continue;
+    const double share = (layer.tops[v] - shell.base.positions[v]).norm() / shell.thicknesses[v];
+    reached.least = std::min(reached.least, share);
+    reached.most = std::max(reached.most, share);
+    reached.mean += share;
+    ++n;
+  }
+  reached.mean /= static_cast<double>(n);
+  return reached;
+}
+
+}  // namespace recede

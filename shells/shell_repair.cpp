@@ -1,0 +1,144 @@
+#include <recede/shells/detail/shell_repair.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recede::detail {
+
+namespace {
+
+constexpr double k_shorter = 0.7, k_longer = 1 / k_shorter;
+constexpr int k_most_rounds = 48;  // what is left of a director is then one part in 30 million
+constexpr int k_regrowths = 4;
+
+class LayerRepair {
+ public:
+  LayerRepair(const ShellSurface& surface, double side, ShellLayer& layer, Progress* progress)
+      : surface_(surface),
+        side_(side),
+        layer_(layer),
+        progress_(progress),
+        scales_(surface.positions.size(), 1.0),
+        leans_(surface.positions.size(), 1.0) {}
+
+  void run(bool may_change) {
+    layer_.tops = layer_.traced;
+    layer_.validity = check({});
+    layer_.inverted_before = layer_.validity.inverted.size();
+    layer_.contacts_before = layer_.validity.top_contacts.size() + layer_.validity.layer_contacts.size() +
+                             layer_.validity.wall_contacts.size();
+    layer_.shortened = 0;
+    layer_.repair_rounds = 0;
+    if (!may_change || layer_.validity.is_valid() || !layer_.validity.has_valid_base()) return;
+    ShellValidity found = layer_.validity;
+    for (; layer_.repair_rounds < k_most_rounds && !found.is_valid(); ++layer_.repair_rounds) {
+      const std::vector<Index> vertices = offenders_of(found);
+      for (const Index v : vertices) {
+        scales_[v] *= k_shorter;
+        leans_[v] *= k_shorter;
+        place(v);
+      }
+      found = check(vertices);
+    }
+    if (found.is_valid()) regrow();
+    layer_.validity = check({});
+    layer_.shortened = static_cast<std::size_t>(
+        std::count_if(scales_.begin(), scales_.end(), [](double scale) { return scale < 1; }));
+  }
+
+ private:
+  ShellValidity check(std::span<const Index> changed) const {
+    ShellCheckOptions options;
+    options.is_inward = side_ < 0;
+    if (!changed.empty()) options.changed_vertices = changed;
+    return check_shell(surface_.positions, layer_.tops, surface_.triangles, options, progress_);
+  }
+
+  // Shorter, and nearer to the normal: a director that leans over one of its triangles is of no length right.
+  void place(Index v) {
+    const Vec3 &from = surface_.positions[v], director = layer_.traced[v] - from;
+    const Vec3 direction =
+        leans_[v] * director.stableNormalized() + (1 - leans_[v]) * side_ * surface_.normals[v];
+    layer_.tops[v] = from + scales_[v] * director.norm() * direction.stableNormalized();
+  }
+
+  // Vertices whose directors are at fault, each once.
+  std::vector<Index> offenders_of(const ShellValidity& found) const {
+    std::vector<Index> vertices;
+    const auto add_corners = [&](std::size_t triangle) {
+      for (std::size_t k = 0; k < 3; ++k) vertices.push_back(surface_.triangles[3 * triangle + k]);
+    };
+    for (const Index triangle : found.inverted) add_corners(triangle);
+    for (const auto& [a, b] : found.top_contacts) {
+      add_corners(a);
+      add_corners(b);
+    }
+    for (const auto& [bottom, top] : found.layer_contacts) add_corners(top);
+    const auto add_wall = [&](std::size_t corner) {
+      vertices.push_back(surface_.triangles[corner]);
+      vertices.push_back(surface_.triangles[corner % 3 == 2 ? corner - 2 : corner + 1]);
+    };
+    for (const WallContact& contact : found.wall_contacts) {
+      add_wall(contact.corner);
+      if (contact.part == ShellPart::top) add_corners(contact.other);
+      if (contact.part == ShellPart::wall) add_wall(contact.other);
+    }
+    if (!found.turned_pieces.empty() || !found.nested_pieces.empty()) {
+      // Seldom, and all of a piece is at fault: shorten everything.
+      for (std::size_t t = 0; 3 * t < surface_.triangles.size(); ++t) add_corners(t);
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+  }
+
+  // Neighbours of what was at fault got shorter with it: they try a step back.
+  void regrow() {
+    for (int round = 0; round < k_regrowths; ++round) {
+      std::vector<Index> grown;
+      const std::vector<double> before = scales_;
+      for (Index v = 0; v < scales_.size(); ++v) {
+        if (scales_[v] >= 1) continue;
+        scales_[v] = std::min(1.0, scales_[v] * k_longer);
+        place(v);
+        grown.push_back(v);
+      }
+      if (grown.empty()) return;
+      while (!grown.empty()) {
+        const ShellValidity found = check(grown);
+        if (found.is_valid()) break;
+        std::vector<Index> back;
+        for (const Index v : offenders_of(found)) {
+          if (scales_[v] == before[v]) continue;
+          scales_[v] = before[v];
+          place(v);
+          back.push_back(v);
+        }
+        // Nobody's own fault: all go back.
+        if (back.empty()) {
+          for (const Index v : grown) {
+            scales_[v] = before[v];
+            place(v);
+          }
+          break;
+        }
+      }
+    }
+  }
+
+  const ShellSurface& surface_;
+  double side_;
+  ShellLayer& layer_;
+  Progress* progress_;
+  std::vector<double> scales_;  // of lengths
+  std::vector<double> leans_;   // 1: as traced, 0: along the normal
+};
+
+}  // namespace
+
+void repair_layer(const ShellSurface& surface, double side, bool may_change, ShellLayer& layer,
+                  Progress* progress) {
+  LayerRepair(surface, side, layer, progress).run(may_change);
+}
+
+}  // namespace recede::detail
