@@ -61,6 +61,7 @@ class Selection {
     }
   }
 
+  bool is_everything() const { return is_everything_; }
   bool has(Index triangle) const { return is_everything_ || triangles_[triangle] != 0; }
   bool has_piece(Index piece) const { return is_everything_ || pieces_[piece] != 0; }
 
@@ -128,7 +129,7 @@ void find_contacts(const ShellLayer& layer, const BoxTree& tree, const Selection
     tbb::parallel_for(leaves, [&](const auto& range) {
       ShellValidity& local = found.local();
       for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-        tree.visit_pairs(leaf, is_active, [&](Index a, Index b) {
+        tree.visit_pairs(leaf, !selection.is_everything(), is_active, [&](Index a, Index b) {
           if (has_contact(layer.points, layer.simplex(a), layer.simplex(b))) add_contact(layer, a, b, local);
         });
       }

@@ -27,9 +27,10 @@ class BoxTree {
   std::size_t n_leaves() const { return n_leaves_; }
 
   /// Calls `visit(i, j)` for boxes that overlap, the first one of `leaf` and each pair in just one of all
-  /// leaves. Only pairs of which `is_active(number)` holds for one at least count.
+  /// leaves. Only pairs of which `is_active(number)` holds for one at least count; unless `is_selective` it
+  /// holds for all.
   template <typename IsActive, typename Visit>
-  void visit_pairs(std::size_t leaf, IsActive&& is_active, Visit&& visit) const;
+  void visit_pairs(std::size_t leaf, bool is_selective, IsActive&& is_active, Visit&& visit) const;
 
   /// Calls `visit(i)` for the boxes that the ray from `origin` towards larger first coordinates touches.
   template <typename Visit>
@@ -53,7 +54,7 @@ class BoxTree {
 };
 
 template <typename IsActive, typename Visit>
-void BoxTree::visit_pairs(std::size_t leaf, IsActive&& is_active, Visit&& visit) const {
+void BoxTree::visit_pairs(std::size_t leaf, bool is_selective, IsActive&& is_active, Visit&& visit) const {
   const std::size_t first = begin(leaf), last = begin(leaf + 1);
   bool any = false;
   for (std::size_t i = first; i < last; ++i) any = any || is_active(order_[i]);
@@ -61,7 +62,14 @@ void BoxTree::visit_pairs(std::size_t leaf, IsActive&& is_active, Visit&& visit)
   const Box box = nodes_[n_leaves_ + leaf];
   std::array<std::size_t, 64> stack;
   std::size_t top = 0;
-  stack[top++] = 1;
+  if (is_selective) {
+    stack[top++] = 1;
+  } else {  // all that stands behind the leaf, and the leaf itself
+    for (std::size_t node = n_leaves_ + leaf; node > 1; node /= 2) {
+      if (node % 2 == 0) stack[top++] = node + 1;
+    }
+    stack[top++] = n_leaves_ + leaf;
+  }
   while (top > 0) {
     const std::size_t node = stack[--top];
     if (!nodes_[node].overlaps(box)) continue;
