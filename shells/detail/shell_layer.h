@@ -1,0 +1,43 @@
+// A layer as a list of triangles and tetrahedra: its boundary.
+#pragma once
+
+#include <recede/shells/detail/box_tree.h>
+#include <recede/shells/detail/shell_pieces.h>
+#include <recede/shells/detail/simplex_contact.h>
+
+#include <span>
+#include <vector>
+
+namespace recede::detail {
+
+/// The parts of the boundary have numbers: the bottom triangles first, then the top ones, then the hulls of
+/// the walls.
+struct ShellLayer {
+  std::vector<Vec3> points;  ///< the bottom positions, then the top ones
+  std::span<const Index> triangles;
+  ShellPieces pieces;
+
+  Index n_vertices() const { return static_cast<Index>(points.size() / 2); }
+  Index n_triangles() const { return static_cast<Index>(triangles.size() / 3); }
+  std::size_t n_parts() const { return 2 * std::size_t{n_triangles()} + pieces.walls.size(); }
+
+  bool is_wall(Index part) const { return part >= 2 * n_triangles(); }
+  /// The corner at which a wall begins.
+  Index wall_corner(Index part) const { return pieces.walls[part - 2 * n_triangles()]; }
+  /// The triangle that a part belongs to.
+  Index triangle(Index part) const {
+    if (is_wall(part)) return wall_corner(part) / 3;
+    return part < n_triangles() ? part : part - n_triangles();
+  }
+  /// The corners of a wall: its bottom side, then the top one, in the same direction.
+  Simplex simplex(Index part) const;
+};
+
+std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer);
+
+/// See `ShellValidity`.
+std::vector<Index> find_turned_pieces(const ShellLayer& layer);
+/// `tree` is that of the layer's parts.
+std::vector<std::pair<Index, Index>> find_nested_pieces(const ShellLayer& layer, const BoxTree& tree);
+
+}  // namespace recede::detail

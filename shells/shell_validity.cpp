@@ -1,0 +1,200 @@
+#include <recede/geometry/error.h>
+#include <recede/shells/detail/prism.h>
+#include <recede/shells/detail/shell_layer.h>
+#include <recede/shells/shell_validity.h>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace recede {
+namespace {
+
+using detail::BoxTree;
+using detail::ShellLayer;
+
+void check_input(std::span<const Vec3> bottom, std::span<const Vec3> top, std::span<const Index> triangles,
+                 const ShellCheckOptions& options) {
+  const std::size_t n = bottom.size();
+  if (n != top.size()) {
+    throw InputError(
+        fmt::format("a shell needs a top for each of its {} bottom positions, not {}", n, top.size()));
+  }
+  // Five parts of a boundary for each triangle need numbers.
+  constexpr std::size_t k_most = std::numeric_limits<Index>::max() / 5;
+  if (n > k_most || triangles.size() / 3 > k_most) throw InputError("a shell this large has too many parts");
+  if (triangles.size() % 3 != 0) throw InputError("the last triangle of a shell hasn't three vertices");
+  for (std::size_t c = 0; c < triangles.size(); ++c) {
+    if (triangles[c] >= n) {
+      throw InputError(fmt::format("triangle {} of a shell uses vertex {} of {}", c / 3, triangles[c], n));
+    }
+  }
+  for (std::size_t v = 0; v < n; ++v) {
+    if (!bottom[v].allFinite() || !top[v].allFinite()) {
+      throw InputError(fmt::format("vertex {} of a shell has a position that isn't finite", v));
+    }
+  }
+  if (!options.changed_vertices) return;
+  for (const Index v : *options.changed_vertices) {
+    if (v >= n) throw InputError(fmt::format("changed vertex {} of a shell of {} vertices", v, n));
+  }
+}
+
+/// Which triangles are to be looked at.
+class Selection {
+ public:
+  Selection(const ShellLayer& layer, const ShellCheckOptions& options) {
+    if (!options.changed_vertices) return;
+    is_everything_ = false;
+    std::vector<char> is_changed(layer.n_vertices(), 0);
+    for (const Index v : *options.changed_vertices) is_changed[v] = 1;
+    triangles_.resize(layer.n_triangles());
+    pieces_.resize(layer.pieces.n_pieces());
+    for (std::size_t c = 0; c < layer.triangles.size(); ++c) {
+      if (is_changed[layer.triangles[c]] == 0) continue;
+      triangles_[c / 3] = 1;
+      pieces_[layer.pieces.piece_of_triangle[c / 3]] = 1;
+    }
+  }
+
+  bool is_everything() const { return is_everything_; }
+  bool has(Index triangle) const { return is_everything_ || triangles_[triangle] != 0; }
+  bool has_piece(Index piece) const { return is_everything_ || pieces_[piece] != 0; }
+
+ private:
+  bool is_everything_ = true;
+  std::vector<char> triangles_, pieces_;
+};
+
+std::vector<Index> find_inverted(const ShellLayer& layer, const Selection& selection, bool is_inward) {
+  std::vector<char> is_inverted(layer.n_triangles(), 0);
+  tbb::parallel_for(tbb::blocked_range<Index>(0, layer.n_triangles()), [&](const auto& range) {
+    for (Index t = range.begin(); t < range.end(); ++t) {
+      if (!selection.has(t)) continue;
+      detail::Prism prism;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Index vertex = layer.triangles[3 * std::size_t{t} + k];
+        prism.bottom[k] = layer.points[vertex];
+        prism.top[k] = layer.points[vertex + layer.n_vertices()];
+      }
+      is_inverted[t] = !detail::has_one_orientation(prism, is_inward);
+    }
+  });
+  std::vector<Index> inverted;
+  for (Index t = 0; t < layer.n_triangles(); ++t) {
+    if (is_inverted[t] != 0) inverted.push_back(t);
+  }
+  return inverted;
+}
+
+/// Adds a contact of two parts to the list that it belongs to.
+void add_contact(const ShellLayer& layer, Index a, Index b, ShellValidity& found) {
+  if (a > b) std::swap(a, b);
+  const Index n = layer.n_triangles();
+  if (layer.is_wall(b)) {
+    const Index corner = layer.wall_corner(b);
+    if (layer.is_wall(a)) {
+      found.wall_contacts.push_back({layer.wall_corner(a), ShellPart::wall, corner});
+    } else {
+      found.wall_contacts.push_back({corner, a < n ? ShellPart::bottom : ShellPart::top, layer.triangle(a)});
+    }
+  } else if (b < n) {
+    found.bottom_contacts.emplace_back(a, b);
+  } else if (a < n) {
+    found.layer_contacts.emplace_back(a, b - n);
+  } else {
+    found.top_contacts.emplace_back(a - n, b - n);
+  }
+}
+
+template <typename List>
+void move_sorted(List& from, List& to) {
+  std::sort(from.begin(), from.end());
+  to = std::move(from);
+}
+
+void find_contacts(const ShellLayer& layer, const BoxTree& tree, const Selection& selection,
+                   ShellValidity& validity, Progress* progress) {
+  constexpr std::size_t k_blocks = 16;  // as often, progress is reported
+  tbb::enumerable_thread_specific<ShellValidity> found;
+  const auto is_active = [&](Index part) { return selection.has(layer.triangle(part)); };
+  for (std::size_t block = 0; block < k_blocks; ++block) {
+    report_progress(progress, "find contacts", static_cast<double>(block) / k_blocks);
+    const tbb::blocked_range<std::size_t> leaves(block * tree.n_leaves() / k_blocks,
+                                                 (block + 1) * tree.n_leaves() / k_blocks);
+    tbb::parallel_for(leaves, [&](const auto& range) {
+      ShellValidity& local = found.local();
+      for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+        tree.visit_pairs(leaf, !selection.is_everything(), is_active, [&](Index a, Index b) {
+          if (has_contact(layer.points, layer.simplex(a), layer.simplex(b))) add_contact(layer, a, b, local);
+        });
+      }
+    });
+  }
+  ShellValidity all;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (const ShellValidity& local : found) {
+    append(all.bottom_contacts, local.bottom_contacts);
+    append(all.top_contacts, local.top_contacts);
+    append(all.layer_contacts, local.layer_contacts);
+    append(all.wall_contacts, local.wall_contacts);
+  }
+  move_sorted(all.bottom_contacts, validity.bottom_contacts);
+  move_sorted(all.top_contacts, validity.top_contacts);
+  move_sorted(all.layer_contacts, validity.layer_contacts);
+  move_sorted(all.wall_contacts, validity.wall_contacts);
+}
+
+/// What concerns pieces and the mesh alone is found for all of it.
+void find_faults_of_pieces(const ShellLayer& layer, const BoxTree& tree, const Selection& selection,
+                           ShellValidity& validity) {
+  const auto is_selected = [&](Index triangle) { return selection.has(triangle); };
+  const auto is_piece_selected = [&](Index first_triangle) {
+    return selection.has_piece(layer.pieces.piece_of_triangle[first_triangle]);
+  };
+  const auto keep = [](const ShellValidity::Pairs& pairs, auto&& is_kept) {
+    ShellValidity::Pairs kept;
+    for (const auto& [a, b] : pairs) {
+      if (is_kept(a) || is_kept(b)) kept.emplace_back(a, b);
+    }
+    return kept;
+  };
+  validity.overlapping_neighbours = keep(layer.pieces.overlapping_neighbours, is_selected);
+  validity.nested_pieces = keep(find_nested_pieces(layer, tree), is_piece_selected);
+  for (const Index first : find_turned_pieces(layer)) {
+    if (is_piece_selected(first)) validity.turned_pieces.push_back(first);
+  }
+}
+
+}  // namespace
+
+bool ShellValidity::is_valid() const {
+  return inverted.empty() && has_valid_base() && top_contacts.empty() && layer_contacts.empty() &&
+         wall_contacts.empty() && turned_pieces.empty() && nested_pieces.empty();
+}
+
+ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> top,
+                          std::span<const Index> triangles, const ShellCheckOptions& options,
+                          Progress* progress) {
+  check_input(bottom, top, triangles, options);
+  report_progress(progress, "check prisms", 0);
+  ShellLayer layer;
+  layer.points.assign(bottom.begin(), bottom.end());
+  layer.points.insert(layer.points.end(), top.begin(), top.end());
+  layer.triangles = triangles;
+  layer.pieces = detail::find_shell_pieces(bottom.size(), triangles);
+  const Selection selection(layer, options);
+  ShellValidity validity;
+  validity.inverted = find_inverted(layer, selection, options.is_inward);
+  const BoxTree tree(detail::boxes_of_parts(layer));
+  find_contacts(layer, tree, selection, validity, progress);
+  find_faults_of_pieces(layer, tree, selection, validity);
+  report_progress(progress, "find contacts", 1);
+  return validity;
+}
+
+}  // namespace recede

@@ -1,0 +1,289 @@
+#include "whole_shells.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace recede {
+namespace {
+
+using test::Layer;
+
+void expect_same_contacts(const ShellValidity& found, const ShellValidity& expected) {
+  EXPECT_EQ(found.bottom_contacts, expected.bottom_contacts);
+  EXPECT_EQ(found.top_contacts, expected.top_contacts);
+  EXPECT_EQ(found.layer_contacts, expected.layer_contacts);
+  EXPECT_EQ(found.wall_contacts, expected.wall_contacts);
+}
+
+std::size_t n_contacts(const ShellValidity& found) {
+  return found.bottom_contacts.size() + found.top_contacts.size() + found.layer_contacts.size() +
+         found.wall_contacts.size();
+}
+
+/// Vertices of the two triangles 0 1 2 and 3 4 5, or with fewer vertices those of `second`.
+struct PairCase {
+  const char* name;
+  std::vector<Vec3> vertices;
+  std::array<Index, 3> second;
+  bool has_contact;
+};
+
+std::vector<PairCase> pair_cases() {
+  const Vec3 a(0, 0, 0), b(4, 0, 0), c(0, 4, 0);
+  return {
+      {"apart, one above the other", {a, b, c, {0, 0, 1}, {4, 0, 1}, {0, 4, 1}}, {3, 4, 5}, false},
+      {"a corner on the inside", {a, b, c, {1, 1, 0}, {1, 1, 3}, {2, 1, 3}}, {3, 4, 5}, true},
+      {"a corner above the inside", {a, b, c, {1, 1, 1}, {1, 1, 3}, {2, 1, 3}}, {3, 4, 5}, false},
+      {"a corner on an edge", {a, b, c, {2, 2, 0}, {1, 1, 3}, {2, 1, 3}}, {3, 4, 5}, true},
+      {"a corner at a corner", {a, b, c, {4, 0, 0}, {5, 1, 3}, {6, -1, 3}}, {3, 4, 5}, true},
+      {"an edge across an edge", {a, b, c, {2, 0, -1}, {2, 0, 1}, {2, -3, 0}}, {3, 4, 5}, true},
+      {"an edge beside an edge", {a, b, c, {2, -1, -1}, {2, -1, 1}, {2, -3, 0}}, {3, 4, 5}, false},
+      {"an edge through the inside", {a, b, c, {1, 1, -1}, {1, 1, 1}, {9, 9, 0}}, {3, 4, 5}, true},
+      {"on a part of an edge", {a, b, c, {1, 0, 0}, {7, 0, 0}, {3, 0, 5}}, {3, 4, 5}, true},
+      {"on the line of an edge", {a, b, c, {5, 0, 0}, {7, 0, 0}, {6, 0, 5}}, {3, 4, 5}, false},
+      {"end to end on the line of an edge", {a, b, c, {4, 0, 0}, {7, 0, 0}, {6, 0, 5}}, {3, 4, 5}, true},
+      {"in the plane, across", {a, b, c, {1, 1, 0}, {9, 1, 0}, {9, 9, 0}}, {3, 4, 5}, true},
+      {"in the plane, inside", {a, b, c, {1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, {3, 4, 5}, true},
+      {"in the plane, around", {a, b, c, {-9, -9, 0}, {30, -9, 0}, {-9, 30, 0}}, {3, 4, 5}, true},
+      {"in the plane, star",
+       {{0, 0, 0}, {6, 0, 0}, {3, 6, 0}, {0, 4, 0}, {6, 4, 0}, {3, -2, 0}},
+       {3, 4, 5},
+       true},
+      {"in the plane, apart", {a, b, c, {3, 3, 0}, {9, 3, 0}, {9, 9, 0}}, {3, 4, 5}, false},
+      {"in the plane, at a corner", {a, b, c, {4, 0, 0}, {9, 1, 0}, {9, 9, 0}}, {3, 4, 5}, true},
+      {"in the plane, along an edge", {a, b, c, {1, 0, 0}, {2, -1, 0}, {3, 0, 0}}, {3, 4, 5}, true},
+      {"the same place", {a, b, c, a, b, c}, {3, 4, 5}, true},
+      {"a common corner", {a, b, c, {-4, 0, 1}, {0, -4, 1}}, {0, 3, 4}, false},
+      {"a common corner, standing on it", {a, b, c, {1, 1, 3}, {1, 2, 3}}, {0, 3, 4}, false},
+      {"a common corner, an edge on the inside", {a, b, c, {1, 1, 0}, {1, 1, 3}}, {0, 3, 4}, true},
+      {"a common corner, an edge on an edge", {a, b, c, {2, 0, 0}, {1, 1, 3}}, {0, 3, 4}, true},
+      {"a common corner, through the inside", {a, b, c, {1, 1, -1}, {1, 1, 2}}, {0, 3, 4}, true},
+      {"a common corner, through the plane outside", {a, b, c, {-1, -1, -1}, {-1, -1, 2}}, {0, 3, 4}, false},
+      {"a common corner, through the plane far away", {a, b, c, {9, -1, -1}, {9, -1, 2}}, {0, 3, 4}, false},
+      {"a common corner, next to it in the plane", {a, b, c, {-4, 0, 0}, {0, -4, 0}}, {0, 3, 4}, false},
+      {"a common corner, on it in the plane", {a, b, c, {9, 2, 0}, {2, 9, 0}}, {0, 3, 4}, true},
+      {"a common edge, flat", {a, b, c, {0, -4, 0}}, {1, 0, 3}, false},
+      {"a common edge, at an angle", {a, b, c, {0, 4, 1}}, {1, 0, 3}, false},
+      {"a common edge, folded onto it", {a, b, c, {9, 9, 0}}, {1, 0, 3}, true},
+      {"three common corners", {a, b, c}, {0, 2, 1}, true},
+  };
+}
+
+/// The pair as bottoms, with tops so far away that they don't matter.
+bool has_contact(const PairCase& pair, const std::vector<Vec3>& vertices) {
+  Layer layer{vertices, {}, {0, 1, 2, pair.second[0], pair.second[1], pair.second[2]}};
+  for (const Vec3& p : vertices) layer.top.push_back(p + Vec3(0, 0, 1e300));
+  return !test::check(layer).bottom_contacts.empty();
+}
+
+TEST(ShellContacts, TwoTrianglesMeetWhereverTheyTouch) {
+  for (const PairCase& pair : pair_cases()) {
+    SCOPED_TRACE(pair.name);
+    EXPECT_EQ(has_contact(pair, pair.vertices), pair.has_contact);
+    // The same from every side and in every plane.
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<Vec3> vertices = pair.vertices;
+      for (Vec3& p : vertices) p = Vec3(p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]);
+      EXPECT_EQ(has_contact(pair, vertices), pair.has_contact) << axis;
+      for (Vec3& p : vertices) p = Vec3(p.x() + 2 * p.y(), 3 * p.z() - p.y(), p.x() - p.z() + 5 * p.y());
+      EXPECT_EQ(has_contact(pair, vertices), pair.has_contact) << axis << ", sheared";
+    }
+  }
+}
+
+TEST(ShellContacts, ScalesAndOffsetsDontMatter) {
+  // Maps that round nothing: powers of two, another one for each axis, and steps by whole numbers.
+  for (const PairCase& pair : pair_cases()) {
+    SCOPED_TRACE(pair.name);
+    const std::vector<std::array<int, 3>> exponents = {
+        {-30, -30, -30}, {30, 30, 30}, {-400, 300, 17}, {900, -900, 1}, {-1060, -1000, 0}};
+    for (const auto& [x, y, z] : exponents) {
+      std::vector<Vec3> vertices = pair.vertices;
+      for (Vec3& p : vertices) p = {std::ldexp(p.x(), x), std::ldexp(p.y(), y), std::ldexp(p.z(), z)};
+      EXPECT_EQ(has_contact(pair, vertices), pair.has_contact) << x << ' ' << y << ' ' << z;
+    }
+    for (const double offset : {1e6, 0x1p49}) {
+      std::vector<Vec3> vertices = pair.vertices;
+      for (Vec3& p : vertices) p += Vec3(offset, -offset, 3 * offset);
+      EXPECT_EQ(has_contact(pair, vertices), pair.has_contact) << offset;
+    }
+  }
+}
+
+TEST(ShellContacts, OneUnitInTheLastPlaceDecides) {
+  // A corner on a slanted plane through points that all have many digits.
+  const Vec3 a(0.1, 0.1, 0.3), b(0.7, 0.1, 0.3), c(0.1, 0.9, 0.3);
+  const PairCase on{"", {a, b, c, {0.3, 0.3, 0.3}, {0.3, 0.3, 1}, {0.4, 0.3, 1}}, {3, 4, 5}, true};
+  EXPECT_TRUE(has_contact(on, on.vertices));
+  std::vector<Vec3> above = on.vertices, below = on.vertices;
+  above[3].z() = std::nextafter(0.3, 1.0);
+  below[3].z() = std::nextafter(0.3, 0.0);
+  EXPECT_FALSE(has_contact(on, above));
+  EXPECT_TRUE(has_contact(on, below));
+  // The plane x + y = z, where rounded determinants are noise.
+  std::vector<Vec3> slanted = {{12, 12, 24}, {24, 0.5, 24.5}, {0.5, 24, 24.5}, {12.25, 12.125, 24.375},
+                               {12, 12, 30}, {13, 12, 30}};
+  EXPECT_TRUE(has_contact(on, slanted));
+  slanted[3].z() = std::nextafter(24.375, 25.0);
+  EXPECT_FALSE(has_contact(on, slanted));
+}
+
+/// Loose and connected triangles between whole points of a small cube.
+Layer random_triangles(std::size_t n_vertices, std::size_t n_triangles, int size, std::mt19937& random) {
+  Layer layer;
+  const auto coordinate = [&] {
+    return static_cast<double>(static_cast<int>(random() % (2 * size + 1)) - size);
+  };
+  for (std::size_t v = 0; v < n_vertices; ++v) {
+    layer.bottom.emplace_back(coordinate(), coordinate(), coordinate());
+    layer.top.push_back(layer.bottom.back() + Vec3(coordinate(), coordinate(), coordinate()));
+  }
+  const auto is_flat = [&](const std::vector<Vec3>& points, Index a, Index b, Index c) {
+    return (points[b] - points[a]).cross(points[c] - points[a]).isZero(0);
+  };
+  while (layer.triangles.size() < 3 * n_triangles) {
+    const auto vertex = [&] { return static_cast<Index>(random() % n_vertices); };
+    const Index a = vertex(), b = vertex(), c = vertex();
+    if (is_flat(layer.bottom, a, b, c) || is_flat(layer.top, a, b, c)) continue;
+    for (const Index v : {a, b, c}) layer.triangles.push_back(v);
+  }
+  return layer;
+}
+
+/// Whether a wall has a face without area: those are left to the prism at it.
+bool has_flat_wall_face(const Layer& layer) {
+  for (const test::WholePart& part : test::parts_of(layer)) {
+    if (part.kind != ShellPart::wall) continue;
+    const Vec3 &a = layer.bottom[part.points[0]], &b = layer.bottom[part.points[1]];
+    const Vec3 &c = layer.top[part.points[0]], &d = layer.top[part.points[1]];
+    for (const Vec3& normal : {Vec3((b - a).cross(c - a)), Vec3((b - a).cross(d - a)),
+                               Vec3((c - a).cross(d - a)), Vec3((c - b).cross(d - b))}) {
+      if (normal.isZero(0)) return true;
+    }
+  }
+  return false;
+}
+
+TEST(ShellContacts, OfRandomTrianglesAreThoseOfBruteForce) {
+  std::mt19937 random(11);
+  std::size_t n = 0, n_walls = 0;
+  for (int i = 0; i < 250; ++i) {
+    const int size = i % 3 == 0 ? 2 : i % 3 == 1 ? 5 : 300;
+    const Layer layer = random_triangles(4 + random() % 8, 2 + random() % 8, size, random);
+    if (has_flat_wall_face(layer)) continue;
+    SCOPED_TRACE(i);
+    const ShellValidity expected = test::contacts_by_brute_force(layer);
+    expect_same_contacts(test::check(layer), expected);
+    n += n_contacts(expected);
+    n_walls += expected.wall_contacts.size();
+  }
+  EXPECT_GT(n - n_walls, 1000u);
+  EXPECT_GT(n_walls, 1000u);
+}
+
+/// Layers over meshes of some hundred triangles, valid ones and others.
+std::vector<std::pair<std::string, Layer>> meshed_layers() {
+  std::vector<std::pair<std::string, Layer>> layers;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    for (const double height : {1.2, 0.8, 0.5}) {
+      layers.emplace_back("bumpy sphere", test::sphere_layer(2, 500, 0.12 * seed, height, seed));
+    }
+    Layer noisy = test::sphere_layer(2, 400, 0.1, 1.2, seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> noise(-70, 70);
+    for (Vec3& p : noisy.top) p += Vec3(noise(random), noise(random), noise(random));
+    layers.emplace_back("noisy tops", noisy);
+  }
+  for (const double gap : {0.0, 40.0, 41.0, 120.0}) {
+    const auto sheet = [&](double z) {
+      return test::sheet_layer(5, 5, [&](Index i, Index j, Index r) {
+        return Vec3(60 * i, 60 * j, 40 * r + z + 10 * std::sin(i + 2.0 * j));
+      });
+    };
+    layers.emplace_back("two close sheets", test::joined(sheet(0), sheet(gap)));
+  }
+  for (const double radius : {40.0, 120.0}) {  // a strip around half a turn, thicker than its radius or not
+    layers.emplace_back("folded strip", test::sheet_layer(24, 2, [&](Index i, Index j, Index r) {
+                          const double s = 20.0 * i - 240, bend = std::clamp(s / radius, -1.6, 1.6),
+                                       rest = s - bend * radius;
+                          const double size = radius - 60 * r;
+                          return Vec3(size * std::sin(bend) + rest * std::cos(bend), 70 * j,
+                                      -size * std::cos(bend) + rest * std::sin(bend));
+                        }));
+  }
+  layers.emplace_back(
+      "nearly closed ring", test::sheet_layer(20, 2, [](Index i, Index j, Index r) {
+        const double angle = -2 * M_PI * i / 20.2, size = 200 + 80 * r + (i == 0 ? -3.0 : 0.0);
+        return Vec3(size * std::cos(angle), 50 * j + (i == 0 ? 40.0 * r : 0.0), size * std::sin(angle));
+      }));
+  layers.emplace_back("needles", test::sheet_layer(30, 1, [](Index i, Index j, Index r) {
+                        return Vec3(2 * i, 900 * j, 9 * r + (i % 2));
+                      }));
+  Layer flat = test::sheet_layer(6, 6, [](Index i, Index j, Index r) { return Vec3(10 * i, 10 * j, 7 * r); });
+  layers.emplace_back("flat sheet", flat);
+  flat.top = flat.bottom;
+  layers.emplace_back("top on bottom", flat);
+  for (auto& [name, layer] : layers) layer = test::whole(layer);
+  return layers;
+}
+
+TEST(ShellContacts, OfMeshesAreThoseOfBruteForce) {
+  std::size_t n_valid = 0, n_invalid = 0;
+  for (const auto& [name, layer] : meshed_layers()) {
+    SCOPED_TRACE(name);
+    const ShellValidity expected = test::contacts_by_brute_force(layer);
+    const ShellValidity found = test::check(layer);
+    expect_same_contacts(found, expected);
+    (n_contacts(expected) == 0 ? n_valid : n_invalid) += 1;
+  }
+  EXPECT_GE(n_valid, 6u);
+  EXPECT_GE(n_invalid, 6u);
+}
+
+bool has_one_of(const Layer& layer, Index triangle, const std::vector<Index>& vertices) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Index v = layer.triangles[3 * std::size_t{triangle} + k];
+    if (std::find(vertices.begin(), vertices.end(), v) != vertices.end()) return true;
+  }
+  return false;
+}
+
+TEST(ShellContacts, AtChangedVerticesAreThoseOfAllRestrictedToThem) {
+  std::mt19937 random(4);
+  std::size_t n = 0;
+  std::vector<std::pair<std::string, Layer>> layers = meshed_layers();
+  for (int i = 0; i < 20; ++i) layers.emplace_back("triangles", random_triangles(12, 14, 5, random));
+  for (const auto& [name, layer] : layers) {
+    SCOPED_TRACE(name);
+    const ShellValidity all = test::check(layer);
+    for (const std::size_t count : {0u, 1u, 4u, 30u}) {
+      std::vector<Index> changed;
+      for (std::size_t i = 0; i < count; ++i)
+        changed.push_back(static_cast<Index>(random() % layer.bottom.size()));
+      const auto has = [&](Index triangle) { return has_one_of(layer, triangle, changed); };
+      const auto lacks_both = [&](const std::pair<Index, Index>& p) {
+        return !has(p.first) && !has(p.second);
+      };
+      ShellValidity expected = all;
+      std::erase_if(expected.inverted, [&](Index t) { return !has(t); });
+      std::erase_if(expected.bottom_contacts, lacks_both);
+      std::erase_if(expected.top_contacts, lacks_both);
+      std::erase_if(expected.layer_contacts, lacks_both);
+      std::erase_if(expected.overlapping_neighbours, lacks_both);
+      std::erase_if(expected.wall_contacts, [&](const WallContact& wall) {
+        return !has(wall.corner / 3) && !has(wall.part == ShellPart::wall ? wall.other / 3 : wall.other);
+      });
+      ShellValidity found = test::check(layer, {.changed_vertices = changed});
+      // Those of pieces have a test of their own.
+      found.turned_pieces = expected.turned_pieces;
+      found.nested_pieces = expected.nested_pieces;
+      EXPECT_EQ(found, expected);
+      n += n_contacts(found);
+    }
+  }
+  EXPECT_GT(n, 500u);
+}
+
+}  // namespace
+}  // namespace recede
