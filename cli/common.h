@@ -129,6 +129,7 @@ void add_render_command(CLI::App& app);
 void add_turntable_command(CLI::App& app);
 void add_diff_command(CLI::App& app);
 void add_dice_command(CLI::App& app);
+void add_shell_command(CLI::App& app);
 void add_subdivide_command(CLI::App& app);
 void add_seams_command(CLI::App& app);
 void add_walk_command(CLI::App& app);

@@ -55,6 +55,7 @@ int main(int argc, char** argv) {
   recede::cli::add_diff_command(app);
   recede::cli::add_atlas_command(app);
   recede::cli::add_billboards_command(app);
+  recede::cli::add_shell_command(app);
   recede::cli::add_subdivide_command(app);
   recede::cli::add_seams_command(app);
   recede::cli::add_walk_command(app);

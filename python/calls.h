@@ -75,6 +75,7 @@ void bind_cad(py::module_& m);
 /// Adds charts and atlases to the module.
 void bind_charts(py::module_& m);
 /// Adds subdivision surfaces.
+void bind_shells(py::module_& m);
 void bind_subdivision(py::module_& m);
 /// Adds progressive meshes to the module.
 void bind_progressive(py::module_& m);

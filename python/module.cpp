@@ -409,6 +409,7 @@ PYBIND11_MODULE(_recede, m) {
   m.def("make_tree", [](std::size_t leaves, std::uint32_t seed) {
     return make_mesh(make_tree({.leaves = leaves, .seed = seed}));
   });
+  bind_shells(m);
   bind_subdivision(m);
   bind_billboards(m);
   bind_cad(m);

@@ -17,7 +17,8 @@ void check(const ShellOptions& options, std::size_t n_vertices, double diagonal)
   if (options.thicknesses.empty()) {
     if (!(options.thickness > 0)) throw OptionError("a shell's thickness is above 0");
   } else if (options.thicknesses.size() != n_vertices) {
-    throw OptionError(fmt::format("there are {} thicknesses for {} vertices", options.thicknesses.size(), n_vertices));
+    throw OptionError(
+        fmt::format("there are {} thicknesses for {} vertices", options.thicknesses.size(), n_vertices));
   }
   for (const double thickness : options.thicknesses) {
     if (!(thickness > 0)) throw OptionError("a shell's thickness is above 0 at each vertex");
@@ -27,8 +28,10 @@ void check(const ShellOptions& options, std::size_t n_vertices, double diagonal)
                           : *std::max_element(options.thicknesses.begin(), options.thicknesses.end());
   if (!(most <= diagonal))
     throw OptionError(
-        fmt::format("a shell's thickness ({:.6g}) is at most the diagonal of the surface's box ({:.6g})", most, diagonal));
-  if (!(options.step > 0 && options.step <= 1)) throw OptionError("steps of directors are above 0 and at most 1");
+        fmt::format("a shell's thickness ({:.6g}) is at most the diagonal of the surface's box ({:.6g})",
+                    most, diagonal));
+  if (!(options.step > 0 && options.step <= 1))
+    throw OptionError("steps of directors are above 0 and at most 1");
   if (!(options.border_extension >= 0 && std::isfinite(options.border_extension)))
     throw OptionError("a border's extension is 0 or more");
 }
@@ -112,7 +115,8 @@ Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progr
   check(options, n, bounding_box(shell.base).diagonal().norm());
   shell.thicknesses =
       options.thicknesses.empty() ? std::vector<double>(n, options.thickness) : options.thicknesses;
-  const detail::ShellSurface seen = detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);
+  const detail::ShellSurface seen =
+      detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);
   const std::vector<Index> vertices = all_vertices(n);
   each_layer(shell, options.side, [&](ShellLayer& layer, double side) {
     detail::TracedDirectors traced =
@@ -128,14 +132,16 @@ Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progr
 std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
                          const ShellOptions& options, Progress* progress) {
   const PolygonSoup base = triangles_of(surface);
-  if (base.corner_vertices != shell.base.corner_vertices || base.positions.size() != shell.base.positions.size())
+  if (base.corner_vertices != shell.base.corner_vertices ||
+      base.positions.size() != shell.base.positions.size())
     throw InputError("a shell's surface keeps its triangles when it is deformed");
   check(options, base.positions.size(), bounding_box(base).diagonal().norm());
   const double thickest = *std::max_element(shell.thicknesses.begin(), shell.thicknesses.end());
   const double reach = (options.field.form == LpForm::calibrated ? 3.5 : 4) * thickest;
   const std::vector<Index> vertices = vertices_near_changes(shell.base, base, changed_vertices, reach);
   shell.base = base;
-  const detail::ShellSurface seen = detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);
+  const detail::ShellSurface seen =
+      detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);
   each_layer(shell, options.side, [&](ShellLayer& layer, double side) {
     const detail::TracedDirectors traced =
         detail::trace_directors(seen, vertices, shell.thicknesses, side, options, progress);

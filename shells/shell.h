@@ -26,28 +26,28 @@ enum class DirectorMethod {
 };
 
 struct ShellOptions {
-  double thickness = 0;  ///< object units, above 0
+  double thickness = 0;               ///< object units, above 0
   std::vector<double> thicknesses{};  ///< instead, one of each vertex, above 0
   ShellSide side = ShellSide::exterior;
   DirectorMethod method = DirectorMethod::averaged_distance;
   /// Of averaged distances. `support` is set to twice the largest thickness.
   LpDistanceOptions field{};
-  /// Steps are at most this share of the thickness and turn by at most as many radians: 0.1 is interactive, 0.05
-  /// precise.
+  /// Steps are at most this share of the thickness and turn by at most as many radians: 0.1 is interactive,
+  /// 0.05 precise.
   double step = 0.1;
-  /// Past open borders the field sees the surface go on this far, in thicknesses, so that directors don't bend
-  /// outwards.
+  /// Past open borders the field sees the surface go on this far, in thicknesses, so that directors don't
+  /// bend outwards.
   double border_extension = 2.5;
   bool repair = true;  ///< shortens directors until the layer is valid
 };
 
 /// One layer: from the surface to the ends of the directors.
 struct ShellLayer {
-  std::vector<Vec3> tops{};    ///< of each vertex: where its director ends
-  std::vector<Vec3> traced{};  ///< the same before any repair
-  ShellValidity validity{};    ///< of `tops`; of `traced` without repair
+  std::vector<Vec3> tops{};                              ///< of each vertex: where its director ends
+  std::vector<Vec3> traced{};                            ///< the same before any repair
+  ShellValidity validity{};                              ///< of `tops`; of `traced` without repair
   std::size_t inverted_before = 0, contacts_before = 0;  ///< prisms and pairs that repair found
-  std::size_t shortened = 0;   ///< directors that repair changed
+  std::size_t shortened = 0;                             ///< directors that repair changed
   int repair_rounds = 0;
   std::size_t evaluations = 0;  ///< of the field
 };
@@ -63,12 +63,13 @@ struct Shell {
   bool is_valid() const;
 };
 
-/// Builds the layers over a surface. Polygons become triangles (`triangulate`); vertices are those of the soup,
-/// so merge identical ones first.
+/// Builds the layers over a surface. Polygons become triangles (`triangulate`); vertices are those of the
+/// soup, so merge identical ones first.
 ///
 /// Directors start along the normals, which see all faces of a vertex where a direction does, and follow the
 /// field in steps that turn little; how far they get is what thickness there is room for (`mean_thickness`).
-/// They are straight: the layer's points are those between a triangle and the triangle of the directors' ends.
+/// They are straight: the layer's points are those between a triangle and the triangle of the directors'
+/// ends.
 ///
 /// With `repair`, directors of prisms that are inverted or meet others are shortened in rounds, and turned
 /// towards the normals where they lean too far, until `check_shell` finds nothing. Where the surface meets
@@ -81,11 +82,15 @@ struct Shell {
 Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progress* progress = nullptr);
 
 /// After the surface was deformed: `surface` has the shell's triangles with other positions of
-/// `changed_vertices`. Directors are traced anew only where the field reaches (3.5 thicknesses from old and new
-/// places of the faces around these vertices, 4 of `LpForm::averaged`); then the layers are repaired. Options
-/// are those of the shell. Returns the number of directors traced.
+/// `changed_vertices`. Directors are traced anew only where the field reaches (3.5 thicknesses from old and
+/// new places of the faces around these vertices, 4 of `LpForm::averaged`); then the layers are repaired.
+/// Options are those of the shell. Returns the number of directors traced.
 std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
                          const ShellOptions& options, Progress* progress = nullptr);
+
+/// All sides of the layers as one closed mesh of triangles that face outwards: the outermost tops, the
+/// innermost ones turned over, and between them walls of quads at open borders.
+PolygonSoup shell_boundary(const Shell& shell);
 
 /// A place of a layer: inside of triangle `triangle` with the weights `weights` of its corners, and from 0 at
 /// the surface to 1 at the top.

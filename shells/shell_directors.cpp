@@ -75,7 +75,7 @@ class DirectorTracer {
         const Flow there = field_.at(at + step * flow.velocity);
         ++evaluations;
         if (there.distance >= flow.distance &&
-            angle_between(flow.velocity, there.velocity) <= options_.turn) {
+            angle_between(flow.velocity, there.velocity) <= options_.step) {
           next = there;
           break;
         }
@@ -138,7 +138,8 @@ ShellSurface shell_surface_of(std::span<const Vec3> positions, std::span<const I
   std::vector<std::size_t> next(starts.begin(), starts.end() - 1);
   for (std::size_t t = 0; t < of_triangles.size(); ++t) {
     if (of_triangles[t].isZero()) continue;
-    for (int k = 0; k < 3; ++k) around[next[triangles[3 * t + static_cast<std::size_t>(k)]]++] = of_triangles[t];
+    for (int k = 0; k < 3; ++k)
+      around[next[triangles[3 * t + static_cast<std::size_t>(k)]]++] = of_triangles[t];
   }
   tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t v) {
     const std::span<const Vec3> own(around.data() + starts[v], starts[v + 1] - starts[v]);
@@ -161,7 +162,8 @@ PolygonSoup with_extended_borders(const ShellSurface& surface, std::span<const d
     const std::size_t after = corner % 3 == 2 ? corner - 2 : corner + 1;
     sides.emplace_back(surface.triangles[corner], surface.triangles[after]);
   }
-  for (std::size_t t = 0; t + 2 < surface.triangles.size(); t += 3) soup.add_face(surface.triangles.subspan(t, 3));
+  for (std::size_t t = 0; t + 2 < surface.triangles.size(); t += 3)
+    soup.add_face(surface.triangles.subspan(t, 3));
   std::sort(sides.begin(), sides.end());
   std::vector<std::pair<Index, Index>> border;
   std::vector<Vec3> outwards(surface.positions.size(), Vec3::Zero());
@@ -185,8 +187,8 @@ PolygonSoup with_extended_borders(const ShellSurface& surface, std::span<const d
 }
 
 TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Index> vertices,
-                                std::span<const double> thicknesses, double side,
-                                const ShellOptions& options, Progress* progress) {
+                                std::span<const double> thicknesses, double side, const ShellOptions& options,
+                                Progress* progress) {
   TracedDirectors result;
   result.ends.resize(vertices.size());
   if (options.method == DirectorMethod::normals) {

@@ -63,6 +63,28 @@ std::optional<ShellPlace> place_in_prism(const Shell& shell, const ShellLayer& l
   return ShellPlace{triangle, weights, height};
 }
 
+PolygonSoup shell_boundary(const Shell& shell) {
+  const std::vector<Index>& triangles = shell.base.corner_vertices;
+  PolygonSoup boundary;
+  boundary.positions = shell.exterior ? shell.exterior->tops : shell.base.positions;
+  const auto n = static_cast<Index>(boundary.positions.size());
+  const std::vector<Vec3>& inner = shell.interior ? shell.interior->tops : shell.base.positions;
+  boundary.positions.insert(boundary.positions.end(), inner.begin(), inner.end());
+  std::vector<std::pair<Index, Index>> sides;
+  for (std::size_t t = 0; t < triangles.size(); t += 3) {
+    const Index a = triangles[t], b = triangles[t + 1], c = triangles[t + 2];
+    boundary.add_face(std::array<Index, 3>{a, b, c});
+    boundary.add_face(std::array<Index, 3>{n + c, n + b, n + a});
+    for (const auto& side : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) sides.push_back(side);
+  }
+  std::sort(sides.begin(), sides.end());
+  for (const auto& [a, b] : sides) {
+    if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a)))
+      boundary.add_face(std::array<Index, 4>{b, a, n + a, n + b});
+  }
+  return boundary;
+}
+
 ShellThickness reached_thickness(const Shell& shell, const ShellLayer& layer) {
   std::vector<unsigned char> is_used(shell.base.positions.size(), 0);
   for (const Index v : shell.base.corner_vertices) is_used[v] = 1;

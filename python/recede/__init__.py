@@ -26,6 +26,7 @@ import numpy.typing as npt
 from ._recede import (
     Appearance,
     Atlas,
+    AveragedDistance,
     BakedMaps,
     BakeResult,
     BillboardCloud,
@@ -50,6 +51,8 @@ from ._recede import (
     OptionError,
     RefinementReport,
     RepairStep,
+    Shell,
+    ShellLayer,
     SimplifyResult,
     Subdivision,
     TrimmedPatch,
@@ -59,11 +62,12 @@ from . import _recede
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
 
 __all__ = [
-    "Appearance", "AreaLight", "Atlas", "BakeResult", "BakedMaps", "BillboardCloud", "BillboardReflectance", "CadInstance", "CadModel", "CadPart",
+    "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud", "BillboardReflectance", "CadInstance", "CadModel", "CadPart",
     "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph",
     "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance",
-    "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh",
-    "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "bake", "bake_maps", "build_billboards", "build_progressive",
+    "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer",
+    "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "averaged_distance", "bake", "bake_maps", "build_billboards", "build_progressive",
+    "build_shell",
     "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas", "make_billboard_reflectance", "make_displaced_sphere",
     "make_teapot", "make_tree", "read", "read_appearance", "read_billboard_reflectance", "read_cad", "read_image", "render", "set_threads",
     "simplify", "simplify_levels", "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
@@ -339,6 +343,49 @@ def make_billboard_reflectance(mesh: Mesh, cloud: BillboardCloud, *, view_side: 
 def read_billboard_reflectance(path: Path) -> BillboardReflectance:
     """What `BillboardReflectance.write` or `recede billboards --reflectance` wrote. Raises `InputError` for anything else."""
     return _recede.read_billboard_reflectance(path)
+
+
+def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
+                thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
+                power: float = 3, step: float = 0.1, border_extension: float = 2.5, repair: bool = True,
+                progress: Progress | None = None) -> Shell:
+    """A layer of space over a surface, proved to be valid, or what is wrong with it.
+
+    `thickness` is in units of the mesh, `relative_thickness` a share of the diagonal, `thicknesses` one of each vertex.
+    `side` is "exterior", "interior" or "envelope", which is both. `directors` lead along the gradient of an averaged
+    distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
+    `power` is that of the averaged distance, above 2; `step` the longest step as a share of the thickness, and the largest
+    turn in radians; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
+    `repair` directors are shortened until the layer is valid. See docs/shells.md.
+
+    Raises `OptionError` for what is out of range, `InputError` for a mesh without area.
+    """
+    given = [value is not None for value in (thickness, relative_thickness, thicknesses)]
+    if sum(given) != 1:
+        raise OptionError("a shell needs one of thickness, relative_thickness and thicknesses")
+    if relative_thickness is not None:
+        points = np.asarray(mesh.positions)
+        thickness = relative_thickness * float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    settings = {"thickness": thickness or 0.0, "thicknesses": [] if thicknesses is None else [float(t) for t in thicknesses],
+                "side": side, "directors": directors, "power": power, "step": step, "border_extension": border_extension,
+                "repair": repair}
+    return _recede.build_shell(mesh, settings, progress)
+
+
+def averaged_distance(mesh: Mesh, points: npt.ArrayLike, *, p: float = 3, form: str = "calibrated",
+                      source: str = "triangles", opening: float = 0.75, error: float | None = None,
+                      support: float = float("inf"), progress: Progress | None = None) -> AveragedDistance:
+    """The Lp-averaged distance of a surface at points (n x 3), and its gradient: smooth away from the surface.
+
+    `form` is "calibrated" (over a plane it is the distance; `p` above 2) or "averaged" (a mean over the whole surface).
+    `source` integrates "triangles" exactly or sums over "points", the vertices. Far parts count as points with their
+    second moments where they are farther than `opening` times their size; or so that the integral is off by at most `error`,
+    a share of it. The surface counts fully up to `support` from a point, and from 5/4 of that not at all.
+
+    Raises `OptionError` for what is out of range, `InputError` for a mesh without area and points that aren't finite.
+    """
+    settings = {"p": p, "form": form, "source": source, "opening": opening, "error": error, "support": support}
+    return _recede.averaged_distance(mesh, points, settings, progress)
 
 
 class ProgressiveMesh:

@@ -423,6 +423,60 @@ class Atlas:
     @property
     def occupancy(self) -> float: ...
 
+class ShellLayer:
+    """One layer of a shell: from the surface to the ends of the directors. See `recede.build_shell`."""
+    @property
+    def tops(self) -> npt.NDArray[np.float64]:
+        """(vertices, 3), where directors end"""
+    @property
+    def is_valid(self) -> bool: ...
+    @property
+    def inverted(self) -> list[int]:
+        """Triangles whose prisms are inverted"""
+    @property
+    def top_contacts(self) -> list[tuple[int, int]]: ...
+    @property
+    def layer_contacts(self) -> list[tuple[int, int]]:
+        """Triangles of the surface and of the tops that meet"""
+    @property
+    def base_contacts(self) -> list[tuple[int, int]]:
+        """Where the surface meets itself, so that no layer is valid"""
+    @property
+    def inverted_before(self) -> int:
+        """Before any repair"""
+    @property
+    def contacts_before(self) -> int: ...
+    @property
+    def shortened(self) -> int:
+        """Directors that repair changed"""
+    @property
+    def thickness(self) -> tuple[float, float, float]:
+        """Least, mean and most, as shares of what was asked for"""
+
+class Shell:
+    """A layer of space over a surface. See `recede.build_shell`."""
+    @property
+    def is_valid(self) -> bool: ...
+    @property
+    def base(self) -> Mesh:
+        """The surface as triangles"""
+    @property
+    def exterior(self) -> Optional[ShellLayer]: ...
+    @property
+    def interior(self) -> Optional[ShellLayer]: ...
+    @property
+    def boundary(self) -> Mesh:
+        """All sides as one closed mesh"""
+
+class AveragedDistance:
+    """At each of some points. See `recede.averaged_distance`."""
+    @property
+    def distances(self) -> npt.NDArray[np.float64]:
+        """(points,)"""
+    @property
+    def gradients(self) -> npt.NDArray[np.float64]:
+        """(points, 3)"""
+
 class Subdivision:
     @property
     def mesh(self) -> Mesh: ...
@@ -600,6 +654,10 @@ def read_billboard_reflectance(path: _Path) -> BillboardReflectance: ...
 def write_billboards(
     folder: _Path, mesh: Mesh, clouds: Sequence[BillboardCloud], name: str, view: dict[str, Any], progress: _Progress
 ) -> Path: ...
+def build_shell(mesh: Mesh, settings: Mapping[str, Any], progress: _Progress) -> Shell: ...
+def averaged_distance(
+    mesh: Mesh, points: npt.ArrayLike, settings: Mapping[str, Any], progress: _Progress
+) -> AveragedDistance: ...
 def can_read_cad() -> bool: ...
 def read_cad(path: _Path, repair: bool, progress: _Progress) -> CadModel: ...
 def tessellate_cad(

@@ -30,7 +30,7 @@ struct TracedDirectors {
 
 /// `side` is 1 in front of the surface and -1 behind it; `thicknesses` are those of all vertices.
 TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Index> vertices,
-                                std::span<const double> thicknesses, double side,
-                                const ShellOptions& options, Progress* progress);
+                                std::span<const double> thicknesses, double side, const ShellOptions& options,
+                                Progress* progress);
 
 }  // namespace recede::detail

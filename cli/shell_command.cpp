@@ -1,0 +1,160 @@
+#include "common.h"
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/shells/shell.h>
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+namespace recede::cli {
+namespace {
+
+struct ShellCommandOptions {
+  CommonOptions common;
+  std::string input, output;
+  ShellOptions shell;
+  std::optional<double> relative_thickness;
+  bool no_repair = false;
+};
+
+struct Built {
+  RepairReport repairs;
+  double diagonal = 0, seconds = 0;
+  Shell shell;
+};
+
+std::size_t n_contacts(const ShellValidity& validity) {
+  return validity.top_contacts.size() + validity.layer_contacts.size() + validity.wall_contacts.size() +
+         validity.nested_pieces.size();
+}
+
+Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
+  if (!layer) return nullptr;
+  const ShellThickness reached = reached_thickness(shell, *layer);
+  return {{"is_valid", layer->validity.is_valid()},
+          {"inverted", layer->validity.inverted.size()},
+          {"contacts", n_contacts(layer->validity)},
+          {"inverted_before", layer->inverted_before},
+          {"contacts_before", layer->contacts_before},
+          {"shortened", layer->shortened},
+          {"repair_rounds", layer->repair_rounds},
+          {"evaluations", layer->evaluations},
+          {"thickness", {{"min", reached.least}, {"mean", reached.mean}, {"max", reached.most}}}};
+}
+
+const ShellLayer& any_layer(const Shell& shell) { return shell.exterior ? *shell.exterior : *shell.interior; }
+
+void print_layer(const char* name, const Shell& shell, const std::optional<ShellLayer>& layer) {
+  if (!layer) return;
+  const ShellThickness reached = reached_thickness(shell, *layer);
+  fmt::print("{:<12} {}; {:.3g} % of the thickness, {:.3g} % at least\n", name,
+             layer->validity.is_valid()
+                 ? "valid"
+                 : fmt::format("not valid: {} prisms inverted, {} contacts", layer->validity.inverted.size(),
+                               n_contacts(layer->validity)),
+             100 * reached.mean, 100 * reached.least);
+  fmt::print("  before     {} prisms inverted, {} contacts; {} directors shortened in {} rounds\n",
+             layer->inverted_before, layer->contacts_before, layer->shortened, layer->repair_rounds);
+}
+
+Built build(ShellCommandOptions& options, Progress* progress) {
+  Built built;
+  Model model = read_model(options.input, progress);
+  require_faces(model, options.input);
+  PolygonSoup surface = to_soup(model.read.mesh);
+  built.repairs = std::move(model.read.report);
+  built.diagonal = bounding_box(surface).diagonal().norm();
+  if (options.relative_thickness) options.shell.thickness = *options.relative_thickness * built.diagonal;
+  options.shell.repair = !options.no_repair;
+  const auto start = std::chrono::steady_clock::now();
+  built.shell = build_shell(surface, options.shell, progress);
+  built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return built;
+}
+
+void print_document(const ShellCommandOptions& options, const Built& built) {
+  const ShellValidity& of_base = any_layer(built.shell).validity;
+  print_json({{"command", "shell"},
+              {"input", options.input},
+              {"output", options.output.empty() ? Json(nullptr) : Json(options.output)},
+              {"thickness", options.shell.thickness},
+              {"diagonal", built.diagonal},
+              {"triangles", built.shell.base.n_faces()},
+              {"is_valid", built.shell.is_valid()},
+              {"base_contacts", of_base.bottom_contacts.size() + of_base.overlapping_neighbours.size()},
+              {"layers_meet", built.shell.layers_meet.size()},
+              {"exterior", layer_to_json(built.shell, built.shell.exterior)},
+              {"interior", layer_to_json(built.shell, built.shell.interior)},
+              {"seconds", built.seconds},
+              {"repairs", repairs_to_json(built.repairs)}});
+}
+
+void run(ShellCommandOptions options) {
+  if (!options.output.empty()) check_mesh_path(options.output);
+  if (options.shell.thickness == 0 && !options.relative_thickness)
+    throw OptionError("a shell needs --thickness or --relative-thickness");
+  TerminalProgress progress(options.common.quiet);
+  const Built built = build(options, &progress);
+  if (!options.output.empty()) write_soup(options.output, shell_boundary(built.shell));
+  progress.clear();
+  print_repairs(built.repairs, options.common);
+  if (!any_layer(built.shell).validity.has_valid_base())
+    print_remark(options.input + ": the surface meets itself, so that no shell over it is valid",
+                 options.common);
+  if (options.common.json) return print_document(options, built);
+  fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));
+  print_layer("exterior", built.shell, built.shell.exterior);
+  print_layer("interior", built.shell, built.shell.interior);
+  if (!built.shell.layers_meet.empty())
+    fmt::print("the layers meet in {} pairs of triangles\n", built.shell.layers_meet.size());
+  fmt::print("seconds      {:.3g}\n", built.seconds);
+  if (!options.output.empty()) fmt::print("written      {}\n", options.output);
+}
+
+}  // namespace
+
+void add_shell_command(CLI::App& app) {
+  const auto options = std::make_shared<ShellCommandOptions>();
+  CLI::App* command = app.add_subcommand(
+      "shell", "Builds a layer of space over a surface, proves that it is valid, and says how thick it got.");
+  command->footer(
+      "Example:\n  recede shell bunny.ply -o shell.ply --relative-thickness 0.05 --side envelope");
+  command->add_option("input", options->input, k_input_help)->required();
+  command->add_option("-o,--output", options->output, "writes all sides of the layer as one closed mesh");
+  ShellOptions& shell = options->shell;
+  CLI::Option* thickness =
+      command->add_option("--thickness", shell.thickness, "how thick it is to be, object units");
+  thickness->check(CLI::PositiveNumber);
+  command
+      ->add_option("--relative-thickness", options->relative_thickness,
+                   "the same as a share of the diagonal of the surface's box")
+      ->check(CLI::PositiveNumber)
+      ->excludes(thickness);
+  command->add_option("--side", shell.side, "exterior (default), interior or envelope, which is both")
+      ->transform(one_of<ShellSide>({{"exterior", ShellSide::exterior},
+                                     {"interior", ShellSide::interior},
+                                     {"envelope", ShellSide::envelope}}));
+  command
+      ->add_option("--directors", shell.method,
+                   "where they lead: averaged (default), along the gradient of an averaged distance; exact, "
+                   "along that of the distance; normals")
+      ->transform(one_of<DirectorMethod>({{"averaged", DirectorMethod::averaged_distance},
+                                          {"exact", DirectorMethod::exact_distance},
+                                          {"normals", DirectorMethod::normals}}));
+  command->add_option("--power", shell.field.p,
+                      "of the averaged distance, above 2 (3); others take much longer");
+  command
+      ->add_option("--step", shell.step,
+                   "of directors: a share of the thickness, and the angle in radians that they turn by (0.1)")
+      ->check(CLI::Range(1e-3, 1.0));
+  command
+      ->add_option("--border-extension", shell.border_extension,
+                   "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
+  add_common_options(*command, options->common);
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace recede::cli

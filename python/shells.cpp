@@ -1,0 +1,124 @@
+// Shells for Python.
+#include "calls.h"
+#include "numpy_arrays.h"
+#include "options.h"
+#include <recede/shells/shell.h>
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+namespace recede::python {
+namespace {
+
+/// Shared, so that arrays outlive the lock.
+struct BuiltShell {
+  std::shared_ptr<const Shell> shell;
+};
+struct BuiltLayer {
+  std::shared_ptr<const Shell> shell;
+  const ShellLayer* layer;
+};
+
+LpDistanceOptions read_field(const py::dict& from) {
+  LpDistanceOptions options;
+  read(from, "p", options.p);
+  read_choice<LpForm>(from, "form", {{"calibrated", LpForm::calibrated}, {"averaged", LpForm::averaged}},
+                      options.form);
+  read_choice<LpSource>(from, "source", {{"triangles", LpSource::triangles}, {"points", LpSource::points}},
+                        options.source);
+  read(from, "opening", options.opening);
+  read(from, "error", options.error);
+  read(from, "support", options.support);
+  return options;
+}
+
+BuiltShell make_shell(const Mesh& mesh, const py::dict& from, py::object progress) {
+  ShellOptions options;
+  read(from, "thickness", options.thickness);
+  read(from, "thicknesses", options.thicknesses);
+  read_choice<ShellSide>(from, "side",
+                         {{"exterior", ShellSide::exterior},
+                          {"interior", ShellSide::interior},
+                          {"envelope", ShellSide::envelope}},
+                         options.side);
+  read_choice<DirectorMethod>(from, "directors",
+                              {{"averaged", DirectorMethod::averaged_distance},
+                               {"exact", DirectorMethod::exact_distance},
+                               {"normals", DirectorMethod::normals}},
+                              options.method);
+  read(from, "power", options.field.p);
+  read(from, "step", options.step);
+  read(from, "border_extension", options.border_extension);
+  read(from, "repair", options.repair);
+  const std::shared_ptr<const PolygonSoup> soup = mesh.soup;
+  return PythonProgress(std::move(progress)).run([&](Progress* p) {
+    return BuiltShell{std::make_shared<const Shell>(build_shell(*soup, options, p))};
+  });
+}
+
+py::object layer_of(const BuiltShell& built, const std::optional<ShellLayer>& layer) {
+  return layer ? py::cast(BuiltLayer{built.shell, &*layer}) : py::object(py::none());
+}
+
+/// Of averaged distances at points.
+struct Evaluated {
+  std::vector<double> distances;
+  std::vector<Vec3> gradients;
+};
+
+std::shared_ptr<Evaluated> evaluate(const Mesh& mesh, const py::handle& points, const py::dict& from,
+                                    py::object progress) {
+  const std::vector<Vec3> places = read_rows_of_3(points, "points");
+  const LpDistanceOptions options = read_field(from);
+  const std::shared_ptr<const PolygonSoup> soup = mesh.soup;
+  return PythonProgress(std::move(progress)).run([&](Progress* p) {
+    auto result = std::make_shared<Evaluated>();
+    for (const LpValue& value : LpDistance(*soup, options).at(places, p)) {
+      result->distances.push_back(value.distance);
+      result->gradients.push_back(value.gradient);
+    }
+    return result;
+  });
+}
+
+}  // namespace
+
+void bind_shells(py::module_& m) {
+  py::class_<Evaluated, std::shared_ptr<Evaluated>>(m, "AveragedDistance")
+      .def_property_readonly(
+          "distances",
+          [](const py::object& self) { return items_of(self.cast<const Evaluated&>().distances, self); })
+      .def_property_readonly("gradients", [](const py::object& self) {
+        return rows_of(self.cast<const Evaluated&>().gradients, self);
+      });
+  py::class_<BuiltLayer>(m, "ShellLayer")
+      .def_property_readonly(
+          "tops",
+          [](const py::object& self) { return rows_of(self.cast<const BuiltLayer&>().layer->tops, self); })
+      .def_property_readonly("is_valid", [](const BuiltLayer& l) { return l.layer->validity.is_valid(); })
+      .def_property_readonly("inverted", [](const BuiltLayer& l) { return l.layer->validity.inverted; })
+      .def_property_readonly("top_contacts",
+                             [](const BuiltLayer& l) { return l.layer->validity.top_contacts; })
+      .def_property_readonly("layer_contacts",
+                             [](const BuiltLayer& l) { return l.layer->validity.layer_contacts; })
+      .def_property_readonly("base_contacts",
+                             [](const BuiltLayer& l) { return l.layer->validity.bottom_contacts; })
+      .def_property_readonly("inverted_before", [](const BuiltLayer& l) { return l.layer->inverted_before; })
+      .def_property_readonly("contacts_before", [](const BuiltLayer& l) { return l.layer->contacts_before; })
+      .def_property_readonly("shortened", [](const BuiltLayer& l) { return l.layer->shortened; })
+      .def_property_readonly("thickness", [](const BuiltLayer& l) {
+        const ShellThickness reached = reached_thickness(*l.shell, *l.layer);
+        return py::make_tuple(reached.least, reached.mean, reached.most);
+      });
+  py::class_<BuiltShell>(m, "Shell")
+      .def_property_readonly("is_valid", [](const BuiltShell& s) { return s.shell->is_valid(); })
+      .def_property_readonly("base", [](const BuiltShell& s) { return make_mesh(s.shell->base); })
+      .def_property_readonly("exterior", [](const BuiltShell& s) { return layer_of(s, s.shell->exterior); })
+      .def_property_readonly("interior", [](const BuiltShell& s) { return layer_of(s, s.shell->interior); })
+      .def_property_readonly("boundary",
+                             [](const BuiltShell& s) { return make_mesh(shell_boundary(*s.shell)); });
+  m.def("build_shell", &make_shell);
+  m.def("averaged_distance", &evaluate);
+}
+
+}  // namespace recede::python
