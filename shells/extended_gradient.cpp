@@ -32,8 +32,8 @@ Ball ball_through(std::span<const Vec3> points) {
   return {points[0] + offset, offset.squaredNorm()};
 }
 
-/// Welzl 1991, "Smallest enclosing disks (balls and ellipsoids)": the smallest ball around all `points` with the
-/// `n_fixed` points of `fixed` on its surface.
+/// Welzl 1991, "Smallest enclosing disks (balls and ellipsoids)": the smallest ball around all `points` with
+/// the `n_fixed` points of `fixed` on its surface.
 Ball smallest_ball(std::span<const Vec3> points, std::array<Vec3, 4>& fixed, std::size_t n_fixed) {
   Ball ball = ball_through(std::span(fixed).first(n_fixed));
   if (n_fixed == 4) return ball;
@@ -48,7 +48,8 @@ Ball smallest_ball(std::span<const Vec3> points, std::array<Vec3, 4>& fixed, std
 
 }  // namespace
 
-Vec3 extended_gradient(const ClosestPointTree& surface, const Vec3& x, const ExtendedGradientOptions& options) {
+Vec3 extended_gradient(const ClosestPointTree& surface, const Vec3& x,
+                       const ExtendedGradientOptions& options) {
   if (!(options.tolerance >= 0)) throw OptionError("tolerance must not be negative");
   const double distance = std::sqrt(surface.closest(x).squared_distance);
   if (!(distance > 0)) return Vec3::Zero();

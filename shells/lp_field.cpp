@@ -10,6 +10,8 @@ namespace recede::detail {
 namespace {
 
 constexpr double k_fade_end = 1.25;  // of the support
+constexpr double k_fading_part =
+    0.125;  // where weights differ, radius of parts that are summed up, of the support
 
 void check(const LpDistanceOptions& options) {
   constexpr double k_largest_power = 1000;
@@ -124,9 +126,9 @@ LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
       frame_(bounding_box(checked(soup, options))),
       support_(std::ldexp(options.support, frame_.exponent)) {
   const Surface surface = surface_of(soup, frame_);
-  tree_ = LpTree(elements_of(surface, options.source),
-                 {options.p, options.expansion == LpExpansion::quadrupole, options.opening,
-                  options.error.value_or(0)});
+  tree_ = LpTree(
+      elements_of(surface, options.source),
+      {options.p, options.expansion == LpExpansion::quadrupole, options.opening, options.error.value_or(0)});
   for (const double area : surface.areas) area_ += area;
   area_ = std::ldexp(area_, -2 * frame_.exponent);
   if (options.p != 3) nearest_ = nearest_of(surface, options.source);
@@ -138,7 +140,7 @@ void LpField::add_triangles(const Query& query, std::size_t index, LpSums& sums)
   const double* masses = &tree_.block_masses[k_lp_lanes * index];
   const Vec3Pair x = {both(query.point.x()), both(query.point.y()), both(query.point.z())};
   for (std::size_t lane = 0; lane < k_lp_lanes; lane += 2) {
-    const auto load = [&](const double (&v)[3][k_lp_lanes]) {
+    const auto load = [&](const double(&v)[3][k_lp_lanes]) {
       return Vec3Pair{pair_at(&v[0][lane]), pair_at(&v[1][lane]), pair_at(&v[2][lane])};
     };
     const Vec3Pair a = load(block.corners[0]) - x, b = load(block.corners[1]) - x,
@@ -159,9 +161,11 @@ void LpField::add_triangles(const Query& query, std::size_t index, LpSums& sums)
       const double unit = query.unit;
       for (int k = 0; k < 2; ++k) {
         if (!(twice_area[k] > 0) || (is_weighted && !(weight[k] > 0))) continue;
-        const auto corner = [&](const Vec3Pair& v) { return Vec3(v.x[k] / unit, v.y[k] / unit, v.z[k] / unit); };
-        const TriangleIntegral one = integrate_power(
-            corner(a), corner(b), corner(c), Vec3(normal.x[k], normal.y[k], normal.z[k]), options_.p);
+        const auto corner = [&](const Vec3Pair& v) {
+          return Vec3(v.x[k] / unit, v.y[k] / unit, v.z[k] / unit);
+        };
+        const TriangleIntegral one = integrate_power(corner(a), corner(b), corner(c),
+                                                     Vec3(normal.x[k], normal.y[k], normal.z[k]), options_.p);
         part.value[k] = one.value * unit * unit;
         part.gradient.x[k] = one.gradient.x() * unit;
         part.gradient.y[k] = one.gradient.y() * unit;
@@ -186,8 +190,8 @@ void LpField::add_points(const Query& query, std::size_t index, LpSums& sums) co
   const LpTriangleBlock& block = tree_.blocks[index];
   for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
     const double mass = tree_.block_masses[k_lp_lanes * index + lane];
-    const Vec3 r = query.point -
-                   Vec3(block.corners[0][0][lane], block.corners[0][1][lane], block.corners[0][2][lane]);
+    const Vec3 r =
+        query.point - Vec3(block.corners[0][0][lane], block.corners[0][1][lane], block.corners[0][2][lane]);
     const double squared = r.squaredNorm();
     double weighted = mass;
     if constexpr (is_weighted) weighted *= weight_of(both(std::sqrt(squared)), support_)[0];
@@ -216,7 +220,8 @@ struct FarSums {
   /// The children that are neither summed up nor without weight.
   PairMask add(const Setting& setting, const LpNode& node, const LpNodeExtent& extent, std::size_t lane) {
     const double p = setting.p;
-    const Vec3Pair r = setting.x - Vec3Pair{pair_at(node.x + lane), pair_at(node.y + lane), pair_at(node.z + lane)};
+    const Vec3Pair r =
+        setting.x - Vec3Pair{pair_at(node.x + lane), pair_at(node.y + lane), pair_at(node.z + lane)};
     const DoublePair squared = dot(r, r);
     PairMask is_far = squared > pair_at(node.squared_reach + lane), is_out = squared < both(0);
     DoublePair weight = both(1), distance = both(0);
@@ -226,7 +231,12 @@ struct FarSums {
       weight = weight_of(distance, setting.support);
       is_out = distance - radius > both(k_fade_end * setting.support);
       // The bound is for weights by triangles: where they differ, the tree is followed down to them.
-      if constexpr (is_bounded) is_far = is_far & (distance + radius < both(setting.support));
+      const PairMask is_full = distance + radius < both(setting.support);
+      if constexpr (is_bounded) {
+        is_far = is_far & is_full;
+      } else {
+        is_far = is_far & (is_full | (radius < both(k_fading_part * setting.support)));
+      }
     }
     const PairMask counts = is_far & ~is_out;
     const DoublePair inverse = where(counts, both(1) / squared);
@@ -247,8 +257,8 @@ struct FarSums {
     if constexpr (is_bounded) {
       const DoublePair nearest = where(counts, both(1) / (distance - radius)), nearest2 = nearest * nearest;
       const DoublePair order = setting.quadrupole ? nearest * nearest2 : nearest2;
-      const DoublePair remainder = pair_at(extent.remainder + lane) * order *
-                                   power_of<is_cubic>(nearest2, p, setting.squared_unit);
+      const DoublePair remainder =
+          pair_at(extent.remainder + lane) * order * power_of<is_cubic>(nearest2, p, setting.squared_unit);
       error += both(setting.error_factor) * remainder;
       gradient_error += both(setting.gradient_error_factor) * remainder * nearest;
     }
@@ -273,7 +283,8 @@ LpSums LpField::integrate(const Query& query) const {
   setting.gradient_error_factor = setting.error_factor * (options_.p + order);
   Far far;
   LpSums sums;
-  constexpr std::size_t k_depth = 64;  // 3 for each level of a tree of 2^31 triangles at most, and the last four
+  constexpr std::size_t k_depth =
+      64;  // 3 for each level of a tree of 2^31 triangles at most, and the last four
   Index stack[k_depth];
   std::size_t top = 0;
   stack[top++] = 0;
@@ -298,8 +309,7 @@ LpSums LpField::integrate(const Query& query) const {
     }
   }
   sums.integral += sum(far.value);
-  sums.gradient +=
-      Vec3(sum(far.gradient.x), sum(far.gradient.y), sum(far.gradient.z));
+  sums.gradient += Vec3(sum(far.gradient.x), sum(far.gradient.y), sum(far.gradient.z));
   sums.area += sum(far.mass);
   sums.error = sum(far.error);
   sums.gradient_error = sum(far.gradient_error);
@@ -309,10 +319,12 @@ LpSums LpField::integrate(const Query& query) const {
 LpSums LpField::sum_up(const Query& query) const {
   const bool is_weighted = std::isfinite(support_), is_bounded = options_.error.has_value();
   if (options_.p == 3) {
-    if (is_bounded) return is_weighted ? integrate<true, true, true>(query) : integrate<true, false, true>(query);
+    if (is_bounded)
+      return is_weighted ? integrate<true, true, true>(query) : integrate<true, false, true>(query);
     return is_weighted ? integrate<true, true, false>(query) : integrate<true, false, false>(query);
   }
-  if (is_bounded) return is_weighted ? integrate<false, true, true>(query) : integrate<false, false, true>(query);
+  if (is_bounded)
+    return is_weighted ? integrate<false, true, true>(query) : integrate<false, false, true>(query);
   return is_weighted ? integrate<false, true, false>(query) : integrate<false, false, false>(query);
 }
 

@@ -46,11 +46,11 @@ Part joined(std::span<const Part> parts) {
   return whole;
 }
 
-/// The least distance from which on the bound of the terms left out is at most `error` times a part's integral.
-/// The n-th term of |c + v - x|^-p in v is at most binomial(n + p - 1, n) |v|^n / D^(n + p), that of Gegenbauer's
-/// polynomials, so that the remainder is at most the term of order n with D - radius for D. And the integral
-/// is at least mass (D^2 + second / mass)^(-p / 2), as z^(-p / 2) is convex and D^2 + second / mass is the mean
-/// of the squared distances: better than by the farthest point.
+/// The least distance from which on the bound of the terms left out is at most `error` times a part's
+/// integral. The n-th term of |c + v - x|^-p in v is at most binomial(n + p - 1, n) |v|^n / D^(n + p), that
+/// of Gegenbauer's polynomials, so that the remainder is at most the term of order n with D - radius for D.
+/// And the integral is at least mass (D^2 + second / mass)^(-p / 2), as z^(-p / 2) is convex and D^2 + second
+/// / mass is the mean of the squared distances: better than by the farthest point.
 double reach_for(double error, double p, int order, double mass, double radius, double second,
                  double remainder) {
   if (!(remainder > 0)) return 0;
@@ -109,7 +109,10 @@ class Builder {
 
  private:
   static LpNode empty_node() {
+    // Nothing, and so far away that no query is there, where 0 times infinity would be something.
+    constexpr double k_nowhere = 1e150;
     LpNode node{};
+    std::fill(std::begin(node.x), std::end(node.x), k_nowhere);
     std::fill(std::begin(node.squared_reach), std::end(node.squared_reach), -1.0);
     return node;
   }
@@ -150,8 +153,8 @@ class Builder {
       // Empty lanes are a triangle that is somewhere, and whose area of zero takes it out.
       const LpElement& element = elements_[order_[std::min(first + lane, last - 1)]];
       const bool is_empty = first + lane >= last;
-      const Vec3 normal = (element.corners[1] - element.corners[0])
-                              .cross(element.corners[2] - element.corners[0]);
+      const Vec3 normal =
+          (element.corners[1] - element.corners[0]).cross(element.corners[2] - element.corners[0]);
       const double twice_area = normal.norm();
       for (std::size_t k = 0; k < 3; ++k) {
         const auto axis = static_cast<Eigen::Index>(k);
@@ -183,10 +186,9 @@ class Builder {
     node.z[lane] = part.centroid.z();
     node.mass[lane] = part.mass;
     const double p = options_.p;
-    const double reach =
-        options_.error > 0 ? reach_for(options_.error, p, tree_.first_order_left_out(), part.mass, radius,
-                                       second, extent.remainder[lane])
-                           : options_.opening * part.box.diagonal().norm();
+    const double reach = options_.error > 0 ? reach_for(options_.error, p, tree_.first_order_left_out(),
+                                                        part.mass, radius, second, extent.remainder[lane])
+                                            : options_.opening * part.box.diagonal().norm();
     // Infinity times nothing: a single point under an opening that sums nothing up.
     node.squared_reach[lane] = std::isnan(reach) ? std::numeric_limits<double>::infinity() : reach * reach;
     if (!options_.quadrupole) return;

@@ -14,8 +14,8 @@ constexpr std::array<double, 5> k_places = {0.1488743389816312, 0.43339539412924
 constexpr std::array<double, 5> k_weights = {0.2955242247147529, 0.2692667193099964, 0.2190863625159820,
                                              0.1494513491505806, 0.0666713443086881};
 
-/// An edge in the triangle's plane: the foot of the point of interest is `distance` inside of it, and its ends
-/// are at `from` and `to` along it.
+/// An edge in the triangle's plane: the foot of the point of interest is `distance` inside of it, and its
+/// ends are at `from` and `to` along it.
 struct Edge {
   Vec3 outward;
   double distance, from, to;
@@ -38,8 +38,9 @@ struct EdgeIntegrals {
   double along = 0;   ///< of |y|^-p along the edge
 };
 
-/// The integral of r / (r^2 + w^2)^(p / 2) up to the radius `rho`, over rho^2. It starts at 0 or, where the foot
-/// is outside of the triangle and the part about it cancels between the edges, wherever the powers are simplest.
+/// The integral of r / (r^2 + w^2)^(p / 2) up to the radius `rho`, over rho^2. It starts at 0 or, where the
+/// foot is outside of the triangle and the part about it cancels between the edges, wherever the powers are
+/// simplest.
 double radial(double rho2, double w, double p, bool from_center) {
   const double r2 = rho2 + w * w;
   constexpr double k_near_logarithm = 0.5;
@@ -95,8 +96,9 @@ TriangleIntegral integrate_power(const Vec3& a, const Vec3& b, const Vec3& c, co
     to_border = std::min(to_border, edge.squared_distance_to_foot());
   }
   if (is_inside && w == 0 && p >= 2) return {std::numeric_limits<double>::infinity(), Vec3::Zero()};
-  // From the centre integrands stay bounded at edges near the foot, but far from it they cancel.
-  const bool from_center = is_inside || to_border < w * w;
+  // From the centre integrands stay bounded at edges near the foot, but what cancels between the edges is
+  // (1 + to_border / w^2)^(p / 2) times the result.
+  const bool from_center = is_inside || to_border < w * w * std::min(1.0, 4 / (p - 1));
   TriangleIntegral result;
   double second = 0;
   for (const Edge& edge : edges) {

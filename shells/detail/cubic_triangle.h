@@ -10,12 +10,13 @@ struct IntegralPair {
   Vec3Pair gradient;  ///< by the point of interest, which is the origin
 };
 
-/// (atan(t) / t - 1) / t^2 for 0 <= t^2 <= tan(pi / 8)^2, of `z` = t^2: a polynomial through Chebyshev's points.
+/// (atan(t) / t - 1) / t^2 for 0 <= t^2 <= tan(pi / 8)^2, of `z` = t^2: a polynomial through Chebyshev's
+/// points.
 inline DoublePair arc_tangent_tail(DoublePair z) {
-  constexpr double k_coefficients[] = {
-      -0.3333333333333333, 0.19999999999995516,  -0.14285714284665682, 0.11111111015187018,
-      -0.0909090457530649, 0.07692183125376892,  -0.06664510525508936, 0.05858140904866328,
-      -0.050854078345894844, 0.03923044778479309, -0.019175404711104935};
+  constexpr double k_coefficients[] = {-0.3333333333333333,  0.19999999999995516,  -0.14285714284665682,
+                                       0.11111111015187018,  -0.0909090457530649,  0.07692183125376892,
+                                       -0.06664510525508936, 0.05858140904866328,  -0.050854078345894844,
+                                       0.03923044778479309,  -0.019175404711104935};
   DoublePair result = both(k_coefficients[10]);
   for (int k = 9; k >= 0; --k) result = result * z + both(k_coefficients[k]);
   return result;
@@ -35,10 +36,10 @@ inline DoublePair edge_term(const Vec3Pair& a, const Vec3Pair& b, DoublePair len
 /// the value is infinite or not a number.
 ///
 /// With w the height over the plane and Omega the solid angle, I = Omega / |w|, and the gradient is the sum
-/// over edges of the edge's outward normal times the integral of |y|^-3 along it, and a normal part that is the
-/// derivative of Omega / |w| by w. Near the plane, outside of the triangle, both follow from
-/// tan(Omega / 2) = N / D with N = 2 area |w|, without a division by w. The integral along an edge is
-/// |b - a| (1 / |a| + 1 / |b|) / (|a| |b| + a.b).
+/// over edges of the edge's outward normal times the integral of |y|^-3 along it, and a normal part that is
+/// the derivative of Omega / |w| by w. Near the plane, outside of the triangle, both follow from tan(Omega /
+/// 2) = N / D with N = 2 area |w|, without a division by w. The integral along an edge is |b - a| (1 / |a| +
+/// 1 / |b|) / (|a| |b| + a.b).
 inline IntegralPair integrate_cubic(const Vec3Pair& a, const Vec3Pair& b, const Vec3Pair& c,
                                     const Vec3Pair& normal, DoublePair twice_area) {
   const DoublePair zero = both(0), one = both(1), two = both(2);
@@ -57,7 +58,8 @@ inline IntegralPair integrate_cubic(const Vec3Pair& a, const Vec3Pair& b, const 
   constexpr double k_tangent = 0.4142135623730950, k_half_pi = 1.5707963267948966;
   const DoublePair size = magnitude(denominator);
   const PairMask is_ahead = denominator > zero;
-  const PairMask is_flat = numerator <= both(k_tangent) * size, is_steep = size <= both(k_tangent) * numerator;
+  const PairMask is_flat = numerator <= both(k_tangent) * size,
+                 is_steep = size <= both(k_tangent) * numerator;
   const DoublePair up = select(is_flat, numerator, select(is_steep, -denominator, numerator - size)),
                    along = select(is_flat, size, select(is_steep, numerator, numerator + size));
   const PairMask is_small = is_flat & is_ahead;
