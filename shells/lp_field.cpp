@@ -10,6 +10,8 @@ namespace recede::detail {
 namespace {
 
 constexpr double k_fade_end = 1.25;  // of the support
+constexpr double k_fading_part =
+    0.125;  // where weights differ, radius of parts that are summed up, of the support
 
 void check(const LpDistanceOptions& options) {
   constexpr double k_largest_power = 1000;
@@ -229,7 +231,12 @@ struct FarSums {
       weight = weight_of(distance, setting.support);
       is_out = distance - radius > both(k_fade_end * setting.support);
       // The bound is for weights by triangles: where they differ, the tree is followed down to them.
-      if constexpr (is_bounded) is_far = is_far & (distance + radius < both(setting.support));
+      const PairMask is_full = distance + radius < both(setting.support);
+      if constexpr (is_bounded) {
+        is_far = is_far & is_full;
+      } else {
+        is_far = is_far & (is_full | (radius < both(k_fading_part * setting.support)));
+      }
     }
     const PairMask counts = is_far & ~is_out;
     const DoublePair inverse = where(counts, both(1) / squared);

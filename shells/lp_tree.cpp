@@ -109,7 +109,10 @@ class Builder {
 
  private:
   static LpNode empty_node() {
+    // Nothing, and so far away that no query is there, where 0 times infinity would be something.
+    constexpr double k_nowhere = 1e150;
     LpNode node{};
+    std::fill(std::begin(node.x), std::end(node.x), k_nowhere);
     std::fill(std::begin(node.squared_reach), std::end(node.squared_reach), -1.0);
     return node;
   }

@@ -96,8 +96,9 @@ TriangleIntegral integrate_power(const Vec3& a, const Vec3& b, const Vec3& c, co
     to_border = std::min(to_border, edge.squared_distance_to_foot());
   }
   if (is_inside && w == 0 && p >= 2) return {std::numeric_limits<double>::infinity(), Vec3::Zero()};
-  // From the centre integrands stay bounded at edges near the foot, but far from it they cancel.
-  const bool from_center = is_inside || to_border < w * w;
+  // From the centre integrands stay bounded at edges near the foot, but what cancels between the edges is
+  // (1 + to_border / w^2)^(p / 2) times the result.
+  const bool from_center = is_inside || to_border < w * w * std::min(1.0, 4 / (p - 1));
   TriangleIntegral result;
   double second = 0;
   for (const Edge& edge : edges) {
