@@ -165,16 +165,13 @@ void find_faults_of_pieces(const ShellLayer& layer, const BoxTree& tree, const S
   };
   validity.overlapping_neighbours = keep(layer.pieces.overlapping_neighbours, is_selected);
   validity.nested_pieces = keep(find_nested_pieces(layer, tree), is_piece_selected);
-  for (const Index first : find_turned_pieces(layer)) {
-    if (is_piece_selected(first)) validity.turned_pieces.push_back(first);
-  }
 }
 
 }  // namespace
 
 bool ShellValidity::is_valid() const {
   return inverted.empty() && has_valid_base() && top_contacts.empty() && layer_contacts.empty() &&
-         wall_contacts.empty() && turned_pieces.empty() && nested_pieces.empty();
+         wall_contacts.empty() && nested_pieces.empty();
 }
 
 ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> top,
