@@ -78,7 +78,8 @@ TEST(SpacePredicates, MixTheSmallestNumbersWithTheLargest) {
   EXPECT_EQ(side_of_plane(a, b, c, {large, small, -small}), -1);
   EXPECT_EQ(side_of_plane(a, b, c, {large, 17, 0}), 0);
   EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, small, 0}, {large, large, small}), 1);
-  EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, large, small}, {large, large, small}), -1);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, large, small}, {large, large, small}), 0);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, large, small}, {large, large, 0}), -1);
 }
 
 TEST(SpacePredicates, TheBoundOfARoundedDeterminantHolds) {

@@ -66,9 +66,10 @@ TEST(Prism, ScalesAndOffsetsDontMatter) {
   const std::vector<std::array<int, 3>> exponents = {{-30, -30, -30},       {30, 30, 30},
                                                      {-400, 300, 17},       {900, -900, 1},
                                                      {-1070, -1070, -1070}, {1000, 1000, 1000}};
-  for (const auto& [x, y, z] : exponents) {
+  for (const std::array<int, 3>& exponent : exponents) {
+    const int x = exponent[0];
     const auto scale = [&](const Vec3& p) {
-      return Vec3(std::ldexp(p.x(), x), std::ldexp(p.y(), y), std::ldexp(p.z(), z));
+      return Vec3(std::ldexp(p.x(), x), std::ldexp(p.y(), exponent[1]), std::ldexp(p.z(), exponent[2]));
     };
     EXPECT_TRUE(has_one_orientation(moved(right_prism(1), scale), false)) << x;
     EXPECT_FALSE(has_one_orientation(moved(right_prism(0), scale), false)) << x;
@@ -98,10 +99,8 @@ TEST(Prism, OfRandomWholePointsHasTheSignsOfAllSamples) {
   constexpr int n = 48;  // a multiple of many denominators
   std::size_t n_good = 0, n_bad = 0, n_between = 0;
   for (int round = 0; round < 40000; ++round) {
-    const int size = round % 2 == 0 ? 3 : 100;
-    const auto coordinate = [&] {
-      return static_cast<double>(static_cast<int>(random() % (2 * size + 1)) - size);
-    };
+    const unsigned size = round % 2 == 0 ? 3 : 100;
+    const auto coordinate = [&] { return static_cast<double>(random() % (2 * size + 1)) - size; };
     Prism prism = right_prism(1);
     const double width = size;
     prism.bottom[1].x() = prism.bottom[2].y() = width;

@@ -130,11 +130,9 @@ TEST(ShellContacts, OneUnitInTheLastPlaceDecides) {
 }
 
 /// Loose and connected triangles between whole points of a small cube.
-Layer random_triangles(std::size_t n_vertices, std::size_t n_triangles, int size, std::mt19937& random) {
+Layer random_triangles(std::size_t n_vertices, std::size_t n_triangles, unsigned size, std::mt19937& random) {
   Layer layer;
-  const auto coordinate = [&] {
-    return static_cast<double>(static_cast<int>(random() % (2 * size + 1)) - size);
-  };
+  const auto coordinate = [&] { return static_cast<double>(random() % (2 * size + 1)) - size; };
   for (std::size_t v = 0; v < n_vertices; ++v) {
     layer.bottom.emplace_back(coordinate(), coordinate(), coordinate());
     layer.top.push_back(layer.bottom.back() + Vec3(coordinate(), coordinate(), coordinate()));
@@ -169,7 +167,7 @@ TEST(ShellContacts, OfRandomTrianglesAreThoseOfBruteForce) {
   std::mt19937 random(11);
   std::size_t n = 0, n_walls = 0;
   for (int i = 0; i < 250; ++i) {
-    const int size = i % 3 == 0 ? 2 : i % 3 == 1 ? 5 : 300;
+    const unsigned size = i % 3 == 0 ? 2 : i % 3 == 1 ? 5 : 300;
     const Layer layer = random_triangles(4 + random() % 8, 2 + random() % 8, size, random);
     if (has_flat_wall_face(layer)) continue;
     SCOPED_TRACE(i);
@@ -254,8 +252,9 @@ TEST(ShellContacts, AtChangedVerticesAreThoseOfAllRestrictedToThem) {
   std::size_t n = 0;
   std::vector<std::pair<std::string, Layer>> layers = meshed_layers();
   for (int i = 0; i < 20; ++i) layers.emplace_back("triangles", random_triangles(12, 14, 5, random));
-  for (const auto& [name, layer] : layers) {
-    SCOPED_TRACE(name);
+  for (const auto& named : layers) {
+    const Layer& layer = named.second;
+    SCOPED_TRACE(named.first);
     const ShellValidity all = test::check(layer);
     for (const std::size_t count : {0u, 1u, 4u, 30u}) {
       std::vector<Index> changed;
