@@ -110,7 +110,6 @@ std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer) {
 
 std::vector<std::pair<Index, Index>> find_nested_pieces(const ShellLayer& layer, const BoxTree& tree) {
   const std::size_t n = layer.pieces.n_pieces();
-  if (n < 2) return {};
   const std::vector<Index> vertices = own_vertices(layer);
   struct Workspace {
     Crossings crossings;
