@@ -128,6 +128,21 @@ TEST(ShellValidity, APieceInTheLayerOfAnotherIsNested) {
   EXPECT_EQ(check(test::joined(large, patch)).nested_pieces, (Pairs{{first_of_second, 0}}));
 }
 
+TEST(ShellValidity, LayersThatGrowTowardsEachOtherMayPassCompletely) {
+  // A body in a room: neither starts in the layer of the other, but both end there.
+  const Layer body = test::sphere_layer(2, 1, 0.02, 3, 1);
+  const auto room = [](double height) {
+    Layer layer = test::sphere_layer(2, 4, 0.02, height, 2);
+    for (std::size_t t = 0; t < layer.triangles.size(); t += 3)
+      std::swap(layer.triangles[t], layer.triangles[t + 1]);
+    return layer;
+  };
+  EXPECT_TRUE(check(test::joined(body, room(0.9))).is_valid());
+  const ShellValidity found = check(test::joined(body, room(0.5)));
+  EXPECT_TRUE(found.inverted.empty() && found.top_contacts.empty() && found.layer_contacts.empty());
+  EXPECT_EQ(found.nested_pieces, (Pairs{{0, 128}, {128, 0}}));
+}
+
 TEST(ShellValidity, FaultsOfPiecesAreFoundAtTheirVertices) {
   const Layer large = test::sphere_layer(2, 10, 0.02, 2, 1);
   Layer small = test::sphere_layer(1, 1, 0.02, 1.5, 2);
