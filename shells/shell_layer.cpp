@@ -1,6 +1,5 @@
 #include <recede/geometry/detail/plane_predicates.h>
 #include <recede/geometry/detail/space_predicates.h>
-#include <recede/geometry/detail/whole_number.h>
 #include <recede/shells/detail/shell_layer.h>
 
 #include <tbb/blocked_range.h>
@@ -8,72 +7,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace recede::detail {
 namespace {
-
-/// A sum of determinants, and how far it can be from the true one.
-struct Volume {
-  double value = 0, error = 0, size = 0;
-  double n = 0;
-
-  void add(const RoundedValue& determinant) {
-    value += determinant.value;
-    error += determinant.error;
-    size += std::abs(determinant.value);
-    n += 1;
-  }
-  int sign() const {
-    // Each of n sums rounds by half a unit in the last place of at most `size`; twice as much covers the
-    // rounding of the bound.
-    const double bound = 2 * error + n * std::numeric_limits<double>::epsilon() * size;
-    return RoundedValue{value, bound}.sign();
-  }
-};
-
-/// The sign of the volume that one side of a closed piece encloses; `first_vertex` is 0 for the bottom.
-int exact_volume_sign(const ShellLayer& layer, Index piece, Index first_vertex) {
-  const auto& triangles = layer.triangles;
-  const auto& pieces = layer.pieces;
-  const auto point = [&](std::size_t corner) -> const Vec3& {
-    return layer.points[first_vertex + triangles[corner]];
-  };
-  int unit = 1024;
-  for (std::size_t c = 0; c < triangles.size(); ++c) {
-    if (pieces.piece_of_triangle[c / 3] == piece) unit = std::min(unit, common_exponent({&point(c)}));
-  }
-  const Vec3& origin = point(3 * std::size_t{pieces.first_triangle[piece]});
-  WholeNumber volume(0, 0);
-  for (std::size_t c = 0; c < triangles.size(); c += 3) {
-    if (pieces.piece_of_triangle[c / 3] != piece) continue;
-    volume =
-        volume + determinant(WholeVector(point(c), origin, unit), WholeVector(point(c + 1), origin, unit),
-                             WholeVector(point(c + 2), origin, unit));
-  }
-  return volume.sign();
-}
-
-std::vector<int> volume_signs(const ShellLayer& layer, Index first_vertex) {
-  const auto& pieces = layer.pieces;
-  std::vector<Volume> volumes(pieces.n_pieces());
-  for (std::size_t c = 0; c < layer.triangles.size(); c += 3) {
-    const Index piece = pieces.piece_of_triangle[c / 3];
-    const auto point = [&](std::size_t corner) -> const Vec3& {
-      return layer.points[first_vertex + layer.triangles[corner]];
-    };
-    const Vec3& origin = point(3 * std::size_t{pieces.first_triangle[piece]});
-    volumes[piece].add(rounded_determinant(origin, point(c), point(c + 1), point(c + 2)));
-  }
-  std::vector<int> signs(pieces.n_pieces());
-  for (std::size_t p = 0; p < signs.size(); ++p) {
-    if (pieces.is_closed[p] == 0) continue;
-    signs[p] = volumes[p].sign();
-    if (signs[p] == 0) signs[p] = exact_volume_sign(layer, static_cast<Index>(p), first_vertex);
-  }
-  return signs;
-}
 
 /// The ray leaves every line that it would meet: its origin counts as moved by an infinitesimal step along
 /// the second axis and an infinitely smaller one along the third.
@@ -172,18 +108,8 @@ std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer) {
   return boxes;
 }
 
-std::vector<Index> find_turned_pieces(const ShellLayer& layer) {
-  const std::vector<int> bottom = volume_signs(layer, 0), top = volume_signs(layer, layer.n_vertices());
-  std::vector<Index> turned;
-  for (std::size_t p = 0; p < bottom.size(); ++p) {
-    if (bottom[p] != top[p]) turned.push_back(layer.pieces.first_triangle[p]);
-  }
-  return turned;
-}
-
 std::vector<std::pair<Index, Index>> find_nested_pieces(const ShellLayer& layer, const BoxTree& tree) {
   const std::size_t n = layer.pieces.n_pieces();
-  if (n < 2) return {};
   const std::vector<Index> vertices = own_vertices(layer);
   struct Workspace {
     Crossings crossings;

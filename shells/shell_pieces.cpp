@@ -81,8 +81,6 @@ void number_pieces(std::size_t n_triangles, const EdgeTable& edges, ShellPieces&
       pieces.piece_of_triangle[t] = pieces.piece_of_triangle[first];
     }
   }
-  pieces.is_closed.assign(pieces.n_pieces(), 1);
-  for (const Index wall : pieces.walls) pieces.is_closed[pieces.piece_of_triangle[wall / 3]] = 0;
 }
 
 }  // namespace

@@ -117,64 +117,90 @@ void move_sorted(List& from, List& to) {
   to = std::move(from);
 }
 
-void find_contacts(const ShellLayer& layer, const BoxTree& tree, const Selection& selection,
-                   ShellValidity& validity, Progress* progress) {
-  constexpr std::size_t k_blocks = 16;  // as often, progress is reported
-  tbb::enumerable_thread_specific<ShellValidity> found;
-  const auto is_active = [&](Index part) { return selection.has(layer.triangle(part)); };
-  for (std::size_t block = 0; block < k_blocks; ++block) {
-    report_progress(progress, "find contacts", static_cast<double>(block) / k_blocks);
-    const tbb::blocked_range<std::size_t> leaves(block * tree.n_leaves() / k_blocks,
-                                                 (block + 1) * tree.n_leaves() / k_blocks);
-    tbb::parallel_for(leaves, [&](const auto& range) {
-      ShellValidity& local = found.local();
-      for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-        tree.visit_pairs(leaf, !selection.is_everything(), is_active, [&](Index a, Index b) {
-          if (has_contact(layer.points, layer.simplex(a), layer.simplex(b))) add_contact(layer, a, b, local);
-        });
-      }
+/// Tests pairs of parts in parallel and collects the contacts.
+class ContactSearch {
+ public:
+  ContactSearch(const ShellLayer& layer, Progress* progress) : layer_(layer), progress_(progress) {}
+
+  /// All pairs in the tree.
+  void among(const BoxTree& tree) {
+    in_blocks(tree.n_leaves(), [&](std::size_t leaf, ShellValidity& found) {
+      tree.visit_pairs(leaf, [&](Index a, Index b) { test(a, b, found); });
     });
   }
-  ShellValidity all;
-  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  for (const ShellValidity& local : found) {
-    append(all.bottom_contacts, local.bottom_contacts);
-    append(all.top_contacts, local.top_contacts);
-    append(all.layer_contacts, local.layer_contacts);
-    append(all.wall_contacts, local.wall_contacts);
-  }
-  move_sorted(all.bottom_contacts, validity.bottom_contacts);
-  move_sorted(all.top_contacts, validity.top_contacts);
-  move_sorted(all.layer_contacts, validity.layer_contacts);
-  move_sorted(all.wall_contacts, validity.wall_contacts);
-}
 
-/// What concerns pieces and the mesh alone is found for all of it.
-void find_faults_of_pieces(const ShellLayer& layer, const BoxTree& tree, const Selection& selection,
-                           ShellValidity& validity) {
-  const auto is_selected = [&](Index triangle) { return selection.has(triangle); };
-  const auto is_piece_selected = [&](Index first_triangle) {
-    return selection.has_piece(layer.pieces.piece_of_triangle[first_triangle]);
-  };
-  const auto keep = [](const ShellValidity::Pairs& pairs, auto&& is_kept) {
-    ShellValidity::Pairs kept;
-    for (const auto& [a, b] : pairs) {
-      if (is_kept(a) || is_kept(b)) kept.emplace_back(a, b);
+  /// The pairs with a selected part: those few make the tree that all parts search.
+  void around(const std::vector<BoxTree::Box>& boxes, const Selection& selection) {
+    std::vector<Index> parts;
+    std::vector<BoxTree::Box> selected_boxes;
+    for (std::size_t part = 0; part < boxes.size(); ++part) {
+      if (!selection.has(layer_.triangle(static_cast<Index>(part)))) continue;
+      parts.push_back(static_cast<Index>(part));
+      selected_boxes.push_back(boxes[part]);
     }
-    return kept;
-  };
-  validity.overlapping_neighbours = keep(layer.pieces.overlapping_neighbours, is_selected);
-  validity.nested_pieces = keep(find_nested_pieces(layer, tree), is_piece_selected);
-  for (const Index first : find_turned_pieces(layer)) {
-    if (is_piece_selected(first)) validity.turned_pieces.push_back(first);
+    const BoxTree tree(selected_boxes);
+    in_blocks(boxes.size(), [&](std::size_t part, ShellValidity& found) {
+      const auto a = static_cast<Index>(part);
+      const bool is_selected = selection.has(layer_.triangle(a));
+      tree.visit_overlaps(boxes[part], [&](Index i) {
+        const Index b = parts[i];
+        // Two selected parts find each other.
+        if (!is_selected || a < b) test(a, b, found);
+      });
+    });
   }
+
+  void move_to(ShellValidity& validity) {
+    ShellValidity all;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    for (const ShellValidity& local : found_) {
+      append(all.bottom_contacts, local.bottom_contacts);
+      append(all.top_contacts, local.top_contacts);
+      append(all.layer_contacts, local.layer_contacts);
+      append(all.wall_contacts, local.wall_contacts);
+    }
+    move_sorted(all.bottom_contacts, validity.bottom_contacts);
+    move_sorted(all.top_contacts, validity.top_contacts);
+    move_sorted(all.layer_contacts, validity.layer_contacts);
+    move_sorted(all.wall_contacts, validity.wall_contacts);
+  }
+
+ private:
+  template <typename Search>
+  void in_blocks(std::size_t n, Search&& search) {
+    constexpr std::size_t k_blocks = 16;  // as often, progress is reported
+    for (std::size_t block = 0; block < k_blocks; ++block) {
+      report_progress(progress_, "find contacts", static_cast<double>(block) / k_blocks);
+      const tbb::blocked_range<std::size_t> items(block * n / k_blocks, (block + 1) * n / k_blocks);
+      tbb::parallel_for(items, [&](const auto& range) {
+        ShellValidity& found = found_.local();
+        for (std::size_t i = range.begin(); i < range.end(); ++i) search(i, found);
+      });
+    }
+  }
+
+  void test(Index a, Index b, ShellValidity& found) const {
+    if (has_contact(layer_.points, layer_.simplex(a), layer_.simplex(b))) add_contact(layer_, a, b, found);
+  }
+
+  const ShellLayer& layer_;
+  Progress* progress_;
+  tbb::enumerable_thread_specific<ShellValidity> found_;
+};
+
+/// Keeps the pairs of which one is selected.
+template <typename IsSelected>
+ShellValidity::Pairs selected(ShellValidity::Pairs pairs, IsSelected&& is_selected) {
+  std::erase_if(pairs,
+                [&](const auto& pair) { return !is_selected(pair.first) && !is_selected(pair.second); });
+  return pairs;
 }
 
 }  // namespace
 
 bool ShellValidity::is_valid() const {
   return inverted.empty() && has_valid_base() && top_contacts.empty() && layer_contacts.empty() &&
-         wall_contacts.empty() && turned_pieces.empty() && nested_pieces.empty();
+         wall_contacts.empty() && nested_pieces.empty();
 }
 
 ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> top,
@@ -190,9 +216,23 @@ ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> to
   const Selection selection(layer, options);
   ShellValidity validity;
   validity.inverted = find_inverted(layer, selection, options.is_inward);
-  const BoxTree tree(detail::boxes_of_parts(layer));
-  find_contacts(layer, tree, selection, validity, progress);
-  find_faults_of_pieces(layer, tree, selection, validity);
+  const std::vector<BoxTree::Box> boxes = detail::boxes_of_parts(layer);
+  const bool has_several_pieces = layer.pieces.n_pieces() > 1;
+  const BoxTree tree = selection.is_everything() || has_several_pieces ? BoxTree(boxes) : BoxTree({});
+  ContactSearch search(layer, progress);
+  if (selection.is_everything()) {
+    search.among(tree);
+  } else {
+    search.around(boxes, selection);
+  }
+  search.move_to(validity);
+  validity.overlapping_neighbours =
+      selected(layer.pieces.overlapping_neighbours, [&](Index triangle) { return selection.has(triangle); });
+  if (has_several_pieces) {
+    validity.nested_pieces = selected(find_nested_pieces(layer, tree), [&](Index first_triangle) {
+      return selection.has_piece(layer.pieces.piece_of_triangle[first_triangle]);
+    });
+  }
   report_progress(progress, "find contacts", 1);
   return validity;
 }

@@ -1,17 +1,17 @@
 // Whether a layer of prisms over a triangle mesh fills space without folds and without meeting itself: the
 // proof, by exact signs, that every point of the layer has one place in the mesh and one height.
 //
-// Why the checks suffice. Where no prism is inverted, the map from (place in the mesh, height) to space keeps
-// its orientation, so the number of points that it sends to a place of space is its degree there: how often
-// the boundary of the layer winds around that place. Take one connected piece. With an open mesh its boundary
-// (bottom, top and walls) is one closed surface; when that doesn't meet itself it winds around a place at
-// most once. A closed mesh has two such surfaces, bottom and top; each winds around its inside once, in the
-// direction of its sign of volume, and when both signs agree the difference is again at most one. So nearly
-// no place is met twice; and then none is, for around places met twice all others would be as well. The
-// layers of two pieces whose boundaries don't meet are apart or one lies in the other, which is looked at.
-// The two conditions beyond prisms and contacts matter: a sphere pulled through its own centre has only
-// prisms of one sign and surfaces that don't touch, and so has a small sphere inside the layer of a large
-// one.
+// Why the checks suffice. Take a connected piece of the mesh in whose layer no prism is inverted and whose
+// boundary doesn't meet itself. The map from (place in the mesh, height) to space is one-to-one around each
+// point: prisms at a common side lie on both sides of what parts them, and those around a vertex surround its
+// step once, since all turn the same way and their bottom triangles don't meet. With an open mesh the
+// boundary (bottom, walls and top) is one closed surface. It winds around a place at most once, and because
+// the map keeps its orientation everywhere, this is how many points come to lie there. With a closed mesh the
+// boundary is two such surfaces. Glue to each what it parts from the layer, with a point at infinity: a
+// closed space arises that the map, continued, sends to the three-dimensional sphere, one-to-one around each
+// point. That is a covering, and the sphere has none but itself. So the layer of one piece is valid. Those of
+// two pieces whose boundaries don't meet are apart, or one lies in the other, which no contact shows; a ray
+// tells.
 #pragma once
 
 #include <recede/geometry/polygon_soup.h>
@@ -60,11 +60,8 @@ struct ShellValidity {
   /// there: they run along the side in the same direction, or one of them belongs to a closed fan around the
   /// vertex and the other one doesn't.
   Pairs overlapping_neighbours;
-  /// Closed pieces of the mesh of which top and bottom enclose volumes of different signs, or none: the layer
-  /// was pulled through itself. A piece is given by its lowest triangle.
-  std::vector<Index> turned_pieces;
-  /// Pieces, by their lowest triangles, and other pieces whose layer they begin or end in. Says something
-  /// where nothing else is wrong with the two.
+  /// Connected pieces of the mesh, by their lowest triangles, and other pieces in whose layer their bottom or
+  /// top lies. Says something where nothing else is wrong with the two.
   Pairs nested_pieces;
 
   bool is_valid() const;

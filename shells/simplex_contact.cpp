@@ -68,7 +68,6 @@ bool do_meet(const Segment& s, const Segment& t) {
   int axis = axis_of_plane(s.a, s.b, t.a);
   if (axis == k_no_axis) axis = axis_of_plane(s.a, s.b, t.b);
   if (axis == k_no_axis) axis = axis_of_plane(t.a, t.b, s.a);
-  if (axis == k_no_axis) axis = axis_of_plane(t.a, t.b, s.b);
   return axis == k_no_axis ? do_overlap(s, t) : do_meet_in_plane(s, t, axis);
 }
 

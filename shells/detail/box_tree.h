@@ -3,6 +3,7 @@
 
 #include <recede/geometry/polygon_soup.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -26,11 +27,13 @@ class BoxTree {
 
   std::size_t n_leaves() const { return n_leaves_; }
 
-  /// Calls `visit(i, j)` for boxes that overlap, the first one of `leaf` and each pair in just one of all
-  /// leaves. Only pairs of which `is_active(number)` holds for one at least count; unless `is_selective` it
-  /// holds for all.
-  template <typename IsActive, typename Visit>
-  void visit_pairs(std::size_t leaf, bool is_selective, IsActive&& is_active, Visit&& visit) const;
+  /// Calls `visit(i, j)` for boxes that overlap, the first one of `leaf`: each pair in one of all leaves.
+  template <typename Visit>
+  void visit_pairs(std::size_t leaf, Visit&& visit) const;
+
+  /// Calls `visit(i)` for the boxes that overlap `box`.
+  template <typename Visit>
+  void visit_overlaps(const Box& box, Visit&& visit) const;
 
   /// Calls `visit(i)` for the boxes that the ray from `origin` towards larger first coordinates touches.
   template <typename Visit>
@@ -44,6 +47,16 @@ class BoxTree {
 
   void build(std::vector<Item>& items, const std::vector<Box>& boxes, std::size_t node,
              std::size_t first_leaf, std::size_t n_leaves);
+  struct Stack {
+    std::array<std::size_t, 64> nodes;  // two for each level, of which there are 32 at most
+    std::size_t size = 0;
+    void push(std::size_t node) { nodes[size++] = node; }
+  };
+  template <typename IsMet, typename VisitLeaf>
+  void descend(Stack& stack, IsMet&& is_met, VisitLeaf&& visit_leaf) const;
+  template <typename IsMet, typename Visit>
+  void visit_met(IsMet&& is_met, Visit&& visit) const;
+
   /// Of the first box in a leaf.
   std::size_t begin(std::size_t leaf) const { return leaf * order_.size() / n_leaves_; }
 
@@ -53,42 +66,43 @@ class BoxTree {
   std::vector<Index> order_;  // the number of each in the list given
 };
 
-template <typename IsActive, typename Visit>
-void BoxTree::visit_pairs(std::size_t leaf, bool is_selective, IsActive&& is_active, Visit&& visit) const {
-  const std::size_t first = begin(leaf), last = begin(leaf + 1);
-  bool any = false;
-  for (std::size_t i = first; i < last; ++i) any = any || is_active(order_[i]);
-  if (!any) return;
-  const Box box = nodes_[n_leaves_ + leaf];
-  std::array<std::size_t, 64> stack;
-  std::size_t top = 0;
-  if (is_selective) {
-    stack[top++] = 1;
-  } else {  // all that stands behind the leaf, and the leaf itself
-    for (std::size_t node = n_leaves_ + leaf; node > 1; node /= 2) {
-      if (node % 2 == 0) stack[top++] = node + 1;
-    }
-    stack[top++] = n_leaves_ + leaf;
-  }
-  while (top > 0) {
-    const std::size_t node = stack[--top];
-    if (!nodes_[node].overlaps(box)) continue;
+template <typename IsMet, typename VisitLeaf>
+void BoxTree::descend(Stack& stack, IsMet&& is_met, VisitLeaf&& visit_leaf) const {
+  while (stack.size > 0) {
+    const std::size_t node = stack.nodes[--stack.size];
+    if (!is_met(nodes_[node])) continue;
     if (node < n_leaves_) {
-      stack[top++] = 2 * node + 1;
-      stack[top++] = 2 * node;
-      continue;
+      stack.push(2 * node + 1);
+      stack.push(2 * node);
+    } else {
+      visit_leaf(node - n_leaves_);
     }
-    const std::size_t other = node - n_leaves_, other_last = begin(other + 1);
-    for (std::size_t j = begin(other); j < other_last; ++j) {
+  }
+}
+
+template <typename Visit>
+void BoxTree::visit_pairs(std::size_t leaf, Visit&& visit) const {
+  const std::size_t first = begin(leaf), last = begin(leaf + 1);
+  const Box box = nodes_[n_leaves_ + leaf];
+  Stack stack;  // all that stands behind the leaf, and the leaf itself
+  for (std::size_t node = n_leaves_ + leaf; node > 1; node /= 2) {
+    if (node % 2 == 0) stack.push(node + 1);
+  }
+  stack.push(n_leaves_ + leaf);
+  const auto overlaps = [&](const Box& other) { return other.overlaps(box); };
+  descend(stack, overlaps, [&](std::size_t other) {
+    for (std::size_t j = begin(other); j < begin(other + 1); ++j) {
       if (!boxes_[j].overlaps(box)) continue;
-      const bool is_other_active = is_active(order_[j]);
-      for (std::size_t i = first; i < last; ++i) {
-        // Pairs of two active boxes are found from both sides.
-        if (!is_active(order_[i]) || (is_other_active && i >= j)) continue;
+      for (std::size_t i = first; i < std::min(last, j); ++i) {
         if (boxes_[i].overlaps(boxes_[j])) visit(order_[i], order_[j]);
       }
     }
-  }
+  });
+}
+
+template <typename Visit>
+void BoxTree::visit_overlaps(const Box& box, Visit&& visit) const {
+  visit_met([&](const Box& other) { return other.overlaps(box); }, visit);
 }
 
 template <typename Visit>
@@ -97,22 +111,18 @@ void BoxTree::visit_ray(const Vec3& origin, Visit&& visit) const {
     return box.upper[0] >= origin.x() && box.lower[1] <= origin.y() && origin.y() <= box.upper[1] &&
            box.lower[2] <= origin.z() && origin.z() <= box.upper[2];
   };
-  std::array<std::size_t, 64> stack;
-  std::size_t top = 0;
-  stack[top++] = 1;
-  while (top > 0) {
-    const std::size_t node = stack[--top];
-    if (!is_touched(nodes_[node])) continue;
-    if (node < n_leaves_) {
-      stack[top++] = 2 * node + 1;
-      stack[top++] = 2 * node;
-      continue;
-    }
-    const std::size_t leaf = node - n_leaves_;
+  visit_met(is_touched, visit);
+}
+
+template <typename IsMet, typename Visit>
+void BoxTree::visit_met(IsMet&& is_met, Visit&& visit) const {
+  Stack stack;
+  stack.push(1);
+  descend(stack, is_met, [&](std::size_t leaf) {
     for (std::size_t i = begin(leaf); i < begin(leaf + 1); ++i) {
-      if (is_touched(boxes_[i])) visit(order_[i]);
+      if (is_met(boxes_[i])) visit(order_[i]);
     }
-  }
+  });
 }
 
 }  // namespace recede::detail

@@ -35,9 +35,7 @@ struct ShellLayer {
 
 std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer);
 
-/// See `ShellValidity`.
-std::vector<Index> find_turned_pieces(const ShellLayer& layer);
-/// `tree` is that of the layer's parts.
+/// See `ShellValidity`. `tree` is that of the layer's parts.
 std::vector<std::pair<Index, Index>> find_nested_pieces(const ShellLayer& layer, const BoxTree& tree);
 
 }  // namespace recede::detail

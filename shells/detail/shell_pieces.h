@@ -18,7 +18,6 @@ struct ShellPieces {
   /// Triangles connected over sides are one piece; pieces are numbered by their lowest triangles.
   std::vector<Index> piece_of_triangle;
   std::vector<Index> first_triangle;  ///< of each piece
-  std::vector<char> is_closed;        ///< a piece without walls
 
   std::size_t n_pieces() const { return first_triangle.size(); }
 };

@@ -78,7 +78,16 @@ TEST(SpacePredicates, MixTheSmallestNumbersWithTheLargest) {
   EXPECT_EQ(side_of_plane(a, b, c, {large, small, -small}), -1);
   EXPECT_EQ(side_of_plane(a, b, c, {large, 17, 0}), 0);
   EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, small, 0}, {large, large, small}), 1);
-  EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, large, small}, {large, large, small}), -1);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, large, small}, {large, large, small}), 0);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {small, 0, 0}, {0, large, small}, {large, large, 0}), -1);
+}
+
+TEST(SpacePredicates, ProductsThatAreTooSmallDontAddUpToAWrongSign) {
+  // In units of the smallest number the determinant is 0.6 - 0.4 - 0.4, which rounds to 1 - 0 - 0.
+  const auto small = [](double x) { return std::ldexp(x, -537); };
+  const Vec3 v(small(2.0 / 3), small(1), 0), w(small(0.4), 0, small(0.6));
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 1, 1}, v, w), -1);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 1, 1}, w, v), 1);
 }
 
 TEST(SpacePredicates, TheBoundOfARoundedDeterminantHolds) {

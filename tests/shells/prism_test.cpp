@@ -66,9 +66,10 @@ TEST(Prism, ScalesAndOffsetsDontMatter) {
   const std::vector<std::array<int, 3>> exponents = {{-30, -30, -30},       {30, 30, 30},
                                                      {-400, 300, 17},       {900, -900, 1},
                                                      {-1070, -1070, -1070}, {1000, 1000, 1000}};
-  for (const auto& [x, y, z] : exponents) {
+  for (const std::array<int, 3>& exponent : exponents) {
+    const int x = exponent[0];
     const auto scale = [&](const Vec3& p) {
-      return Vec3(std::ldexp(p.x(), x), std::ldexp(p.y(), y), std::ldexp(p.z(), z));
+      return Vec3(std::ldexp(p.x(), x), std::ldexp(p.y(), exponent[1]), std::ldexp(p.z(), exponent[2]));
     };
     EXPECT_TRUE(has_one_orientation(moved(right_prism(1), scale), false)) << x;
     EXPECT_FALSE(has_one_orientation(moved(right_prism(0), scale), false)) << x;
@@ -98,10 +99,8 @@ TEST(Prism, OfRandomWholePointsHasTheSignsOfAllSamples) {
   constexpr int n = 48;  // a multiple of many denominators
   std::size_t n_good = 0, n_bad = 0, n_between = 0;
   for (int round = 0; round < 40000; ++round) {
-    const int size = round % 2 == 0 ? 3 : 100;
-    const auto coordinate = [&] {
-      return static_cast<double>(static_cast<int>(random() % (2 * size + 1)) - size);
-    };
+    const unsigned size = round % 2 == 0 ? 3 : 100;
+    const auto coordinate = [&] { return static_cast<double>(random() % (2 * size + 1)) - size; };
     Prism prism = right_prism(1);
     const double width = size;
     prism.bottom[1].x() = prism.bottom[2].y() = width;
@@ -124,6 +123,47 @@ TEST(Prism, OfRandomWholePointsHasTheSignsOfAllSamples) {
   EXPECT_GT(n_good, 2000u);
   EXPECT_GT(n_bad, 2000u);
   EXPECT_LT(n_between, n_bad / 200);
+}
+
+__extension__ using Wide = __int128;
+
+Wide whole_determinant(const Vec3& u, const Vec3& v, const Vec3& w) {
+  const auto product = [&](int a, int b, int c) {
+    return Wide{static_cast<std::int64_t>(u[a])} * static_cast<std::int64_t>(v[b]) *
+           static_cast<std::int64_t>(w[c]);
+  };
+  return product(0, 1, 2) - product(1, 0, 2) + product(1, 2, 0) - product(2, 1, 0) + product(2, 0, 1) -
+         product(0, 2, 1);
+}
+
+TEST(Prism, WithAStepInItsPlaneIsInvertedWhateverRoundingSays) {
+  // Whole coordinates below 2^38: determinants have more digits than a double.
+  std::mt19937_64 random(2);
+  std::size_t n_flat = 0, n_good = 0;
+  for (int round = 0; round < 60000; ++round) {
+    const auto coordinate = [&] { return static_cast<double>(random() >> 29) - 0x1p34; };
+    const auto point = [&] { return Vec3(coordinate(), coordinate(), coordinate()); };
+    Prism prism;
+    for (Vec3& p : prism.bottom) p = point();
+    const Vec3 b1 = prism.bottom[1] - prism.bottom[0], b2 = prism.bottom[2] - prism.bottom[0];
+    for (std::size_t i = 0; i < 3; ++i) prism.top[i] = prism.bottom[i] + point();
+    const auto part = [&] { return static_cast<double>(random() % 3) - 1; };
+    prism.top[0] = prism.bottom[0] + part() * b1 + part() * b2 + (round % 2) * part() * Vec3(1, 2, 3);
+    const Vec3 t1 = prism.top[1] - prism.top[0], t2 = prism.top[2] - prism.top[0];
+    bool is_decided = true, is_flat = false;  // by the first corner's first coefficient alone
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 step = prism.top[i] - prism.bottom[i];
+      const Wide first = whole_determinant(b1, b2, step), last = whole_determinant(t1, t2, step);
+      const Wide middle = whole_determinant(b1, t2, step) + whole_determinant(t1, b2, step);
+      if (i == 0) is_flat = first <= 0;
+      is_decided = is_decided && middle > 0 && last > 0 && (i == 0 || first > 0);
+    }
+    if (!is_decided) continue;
+    ASSERT_EQ(has_one_orientation(prism, false), !is_flat) << round;
+    (is_flat ? n_flat : n_good) += 1;
+  }
+  EXPECT_GT(n_flat, 100u);
+  EXPECT_GT(n_good, 20u);
 }
 
 }  // namespace

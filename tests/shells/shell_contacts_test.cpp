@@ -1,4 +1,5 @@
 #include "whole_shells.h"
+#include <recede/shells/detail/simplex_contact.h>
 
 #include <gtest/gtest.h>
 
@@ -129,12 +130,54 @@ TEST(ShellContacts, OneUnitInTheLastPlaceDecides) {
   EXPECT_FALSE(has_contact(on, slanted));
 }
 
+TEST(ShellContacts, OfRandomSimplicesWithoutCommonCornersAreThoseOfBruteForce) {
+  // On so few places that many have no area or no volume.
+  std::mt19937 random(12);
+  std::size_t n_apart = 0, n_contacts_of[3] = {};
+  for (int i = 0; i < 60000; ++i) {
+    const unsigned width = i % 3 == 0 ? 2 : i % 3 == 1 ? 3 : 7;
+    std::vector<Vec3> points;
+    for (int k = 0; k < 8; ++k)
+      points.emplace_back(random() % width, random() % width, random() % (i % 2 + 2));
+    const int first = 3 + i % 5 % 2, second = 3 + i % 7 % 2;
+    if (i % 4 == 0) {  // all on one line
+      const Vec3 a = points[0], step = points[1];
+      for (Vec3& p : points) p = a + p.x() * step;
+    } else if (i % 11 == 0) {  // the second one between the corners of the first
+      for (std::size_t k = 0; k < 4; ++k) points[k] *= 8;
+      const Vec3 middle = 0.25 * (points[0] + points[1] + points[2] + (first == 3 ? points[0] : points[3]));
+      for (std::size_t k = 4; k < 8; ++k) points[k] += middle;
+    }
+    const detail::Simplex a{{0, 1, 2, 3}, first}, b{{4, 5, 6, 7}, second};
+    std::vector<Index> corners = {0, 1, 2, 3}, others = {4, 5, 6, 7};
+    corners.resize(static_cast<std::size_t>(first));
+    others.resize(static_cast<std::size_t>(second));
+    const bool expected = test::meet_apart(points, corners, others);
+    ASSERT_EQ(detail::has_contact(points, a, b), expected) << i;
+    ASSERT_EQ(detail::has_contact(points, b, a), expected) << i;
+    n_apart += expected ? 0 : 1;
+    n_contacts_of[first + second - 6] += expected ? 1 : 0;
+  }
+  EXPECT_GT(n_apart, 5000u);
+  for (const std::size_t n : n_contacts_of) EXPECT_GT(n, 2000u);
+}
+
+TEST(ShellContacts, ATetrahedronInsideAnotherIsOne) {
+  const std::vector<Vec3> points = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {0, 0, 9},
+                                    {1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}};
+  const detail::Simplex outer{{0, 1, 2, 3}, 4}, inner{{4, 5, 6, 7}, 4};
+  EXPECT_TRUE(detail::has_contact(points, outer, inner));
+  EXPECT_TRUE(detail::has_contact(points, inner, outer));
+  EXPECT_TRUE(detail::has_contact(points, {{0, 5, 6, 7}, 4}, outer)) << "from a common corner inward";
+  EXPECT_TRUE(detail::has_contact(points, outer, {{0, 5, 6, 7}, 4}));
+  EXPECT_TRUE(detail::has_contact(points, outer, {{0, 5, 6}, 3}));
+  EXPECT_TRUE(detail::has_contact(points, {{4, 5, 6}, 3}, outer));
+}
+
 /// Loose and connected triangles between whole points of a small cube.
-Layer random_triangles(std::size_t n_vertices, std::size_t n_triangles, int size, std::mt19937& random) {
+Layer random_triangles(std::size_t n_vertices, std::size_t n_triangles, unsigned size, std::mt19937& random) {
   Layer layer;
-  const auto coordinate = [&] {
-    return static_cast<double>(static_cast<int>(random() % (2 * size + 1)) - size);
-  };
+  const auto coordinate = [&] { return static_cast<double>(random() % (2 * size + 1)) - size; };
   for (std::size_t v = 0; v < n_vertices; ++v) {
     layer.bottom.emplace_back(coordinate(), coordinate(), coordinate());
     layer.top.push_back(layer.bottom.back() + Vec3(coordinate(), coordinate(), coordinate()));
@@ -169,7 +212,7 @@ TEST(ShellContacts, OfRandomTrianglesAreThoseOfBruteForce) {
   std::mt19937 random(11);
   std::size_t n = 0, n_walls = 0;
   for (int i = 0; i < 250; ++i) {
-    const int size = i % 3 == 0 ? 2 : i % 3 == 1 ? 5 : 300;
+    const unsigned size = i % 3 == 0 ? 2 : i % 3 == 1 ? 5 : 300;
     const Layer layer = random_triangles(4 + random() % 8, 2 + random() % 8, size, random);
     if (has_flat_wall_face(layer)) continue;
     SCOPED_TRACE(i);
@@ -254,8 +297,9 @@ TEST(ShellContacts, AtChangedVerticesAreThoseOfAllRestrictedToThem) {
   std::size_t n = 0;
   std::vector<std::pair<std::string, Layer>> layers = meshed_layers();
   for (int i = 0; i < 20; ++i) layers.emplace_back("triangles", random_triangles(12, 14, 5, random));
-  for (const auto& [name, layer] : layers) {
-    SCOPED_TRACE(name);
+  for (const auto& named : layers) {
+    const Layer& layer = named.second;
+    SCOPED_TRACE(named.first);
     const ShellValidity all = test::check(layer);
     for (const std::size_t count : {0u, 1u, 4u, 30u}) {
       std::vector<Index> changed;
@@ -275,8 +319,7 @@ TEST(ShellContacts, AtChangedVerticesAreThoseOfAllRestrictedToThem) {
         return !has(wall.corner / 3) && !has(wall.part == ShellPart::wall ? wall.other / 3 : wall.other);
       });
       ShellValidity found = test::check(layer, {.changed_vertices = changed});
-      // Those of pieces have a test of their own.
-      found.turned_pieces = expected.turned_pieces;
+      // These have a test of their own.
       found.nested_pieces = expected.nested_pieces;
       EXPECT_EQ(found, expected);
       n += n_contacts(found);

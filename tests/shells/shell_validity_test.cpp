@@ -76,27 +76,29 @@ TEST(ShellValidity, SpheresHaveLayersOnBothSides) {
   EXPECT_TRUE(check(test::moved(test::whole(test::sphere_layer(2, 1000, 0.02, 1.5, 1)), far)).is_valid());
 }
 
-TEST(ShellValidity, ASpherePulledThroughItsCentreIsTurned) {
-  // All steps meet in the centre, where the Jacobian is 0.
-  Layer layer = test::sphere_layer(2, 256, 0, -0.5, 1);
-  layer = test::whole(layer);
+TEST(ShellValidity, ASpherePulledThroughItsCentreIsInverted) {
+  // All steps meet in the centre, where the Jacobian is 0 without changing its sign.
+  Layer layer = test::whole(test::sphere_layer(2, 256, 0, 1, 1));
   for (std::size_t v = 0; v < layer.top.size(); ++v) layer.top[v] = -0.5 * layer.bottom[v];
   const ShellValidity found = check(layer, {.is_inward = true});
   EXPECT_EQ(found.inverted.size(), layer.n_triangles());
-  EXPECT_EQ(found.turned_pieces, std::vector<Index>{0});
-  // Turned a little as well, all prisms are good and nothing touches.
-  for (const double turn : {0.3, 1e-6}) {
-    for (std::size_t v = 0; v < layer.top.size(); ++v) {
-      const Vec3& p = layer.bottom[v];
-      layer.top[v] = -0.5 * Vec3(p.x() - turn * p.y(), p.y() + turn * p.x(), p.z());
-      // The steps of a turn about one axis still meet the plane across it in the centre.
-      layer.top[v] += -0.5 * turn * Vec3(p.z(), 0, -p.x());
-    }
-    const ShellValidity turned = check(layer, {.is_inward = true});
-    EXPECT_TRUE(turned.inverted.empty()) << turn << ' ' << turned.inverted.size();
-    EXPECT_TRUE(turned.top_contacts.empty() && turned.layer_contacts.empty()) << turn;
-    EXPECT_EQ(turned.turned_pieces, std::vector<Index>{0}) << turn;
-    EXPECT_FALSE(turned.is_valid()) << turn;
+  EXPECT_TRUE(found.top_contacts.empty() && found.layer_contacts.empty() && found.has_valid_base());
+  // Turned as well, the tops pass the centre at a distance: there it is 0 only across the axis.
+  for (std::size_t v = 0; v < layer.top.size(); ++v) {
+    const Vec3& p = layer.bottom[v];
+    layer.top[v] = -0.5 * Vec3(p.x() - 0.25 * p.y(), p.y() + 0.25 * p.x(), p.z());
+  }
+  const ShellValidity turned = check(layer, {.is_inward = true});
+  EXPECT_GT(turned.inverted.size(), 0u);
+  EXPECT_LT(turned.inverted.size(), layer.n_triangles() / 2);
+  EXPECT_TRUE(turned.top_contacts.empty() && turned.layer_contacts.empty());
+  // However the tops are moved, some prism shows it.
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> noise(-1, 1);
+  for (int round = 0; round < 100; ++round) {
+    Layer moved = test::sphere_layer(1, 1, 0, -0.5, 1);
+    for (Vec3& p : moved.top) p += 0.004 * round * Vec3(noise(random), noise(random), noise(random));
+    EXPECT_FALSE(check(moved, {.is_inward = true}).inverted.empty()) << round;
   }
 }
 
@@ -124,6 +126,21 @@ TEST(ShellValidity, APieceInTheLayerOfAnotherIsNested) {
   EXPECT_TRUE(check(test::joined(sheet, small_at({-20, 20, 5}))).is_valid());
   const Layer patch = test::moved(flat_sheet(2, 0.5), [](const Vec3& p) { return Vec3(p + Vec3(14, 0, 0)); });
   EXPECT_EQ(check(test::joined(large, patch)).nested_pieces, (Pairs{{first_of_second, 0}}));
+}
+
+TEST(ShellValidity, LayersThatGrowTowardsEachOtherMayPassCompletely) {
+  // A body in a room: neither starts in the layer of the other, but both end there.
+  const Layer body = test::sphere_layer(2, 1, 0.02, 3, 1);
+  const auto room = [](double height) {
+    Layer layer = test::sphere_layer(2, 4, 0.02, height, 2);
+    for (std::size_t t = 0; t < layer.triangles.size(); t += 3)
+      std::swap(layer.triangles[t], layer.triangles[t + 1]);
+    return layer;
+  };
+  EXPECT_TRUE(check(test::joined(body, room(0.9))).is_valid());
+  const ShellValidity found = check(test::joined(body, room(0.5)));
+  EXPECT_TRUE(found.inverted.empty() && found.top_contacts.empty() && found.layer_contacts.empty());
+  EXPECT_EQ(found.nested_pieces, (Pairs{{0, 128}, {128, 0}}));
 }
 
 TEST(ShellValidity, FaultsOfPiecesAreFoundAtTheirVertices) {
@@ -250,7 +267,6 @@ std::size_t most_preimages(const Layer& layer, std::mt19937& random) {
     }
     const Preimages found = preimages(layer, x);
     if (found.margin < 1e-6) continue;  // rounding decides in which of two neighbours it lies
-    EXPECT_GE(found.count, 1u);
     most = std::max(most, found.count);
   }
   return most;
@@ -278,13 +294,7 @@ TEST(ShellValidity, PointsOfAValidLayerHaveOnePlace) {
   }
   EXPECT_GE(n_valid, 15u);
   EXPECT_GE(n_double, 10u);
-  // Those that prisms and contacts alone don't show.
-  Layer turned = test::sphere_layer(1, 1, 0, -0.5, 1);
-  for (std::size_t v = 0; v < turned.top.size(); ++v) {
-    const Vec3& p = turned.bottom[v];
-    turned.top[v] = -0.5 * Vec3(p.x() - 0.3 * p.y() + 0.3 * p.z(), p.y() + 0.3 * p.x(), p.z() - 0.3 * p.x());
-  }
-  EXPECT_GE(most_preimages(turned, random), 2u);
+  // What neither prisms nor contacts show.
   const Layer large = test::sphere_layer(1, 10, 0.02, 2, 1);
   const auto inside = [](const Vec3& p) { return Vec3(p + Vec3(14, 0, 0)); };
   EXPECT_GE(
@@ -295,7 +305,7 @@ TEST(ShellValidity, PointsOfAValidLayerHaveOnePlace) {
 TEST(ShellValidity, DoesntDependOnThreads) {
   Layer layer = test::sphere_layer(5, 1, 0.05, 1.05, 1);
   std::mt19937 random(5);
-  std::uniform_real_distribution<double> noise(-0.02, 0.02);
+  std::uniform_real_distribution<double> noise(-0.06, 0.06);
   for (Vec3& p : layer.top) p += Vec3(noise(random), noise(random), noise(random));
   const ShellValidity found = check(layer);
   EXPECT_GT(found.inverted.size(), 100u);

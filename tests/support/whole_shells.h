@@ -68,7 +68,7 @@ inline bool hulls_meet(const Hull& a, const Hull& b) {
 
 /// Whether two hulls of numbered points meet apart from the hull of their common ones: then faces without a
 /// common point do, since from any other common place the way on leads away from a common point up to a
-/// smaller face.
+/// smaller face. Two with the same points count as meeting.
 inline bool meet_apart(std::span<const Vec3> points, const std::vector<Index>& a,
                        const std::vector<Index>& b) {
   const auto whole_point = [&](Index i) {
@@ -77,6 +77,7 @@ inline bool meet_apart(std::span<const Vec3> points, const std::vector<Index>& a
       p[k] = static_cast<std::int64_t>(points[i][static_cast<Eigen::Index>(k)]);
     return p;
   };
+  if (std::is_permutation(a.begin(), a.end(), b.begin(), b.end())) return true;
   for (unsigned face = 1; face < (1u << a.size()); ++face) {
     Hull own, other;
     std::vector<Index> used;
