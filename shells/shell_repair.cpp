@@ -83,8 +83,8 @@ class LayerRepair {
       if (contact.part == ShellPart::top) add_corners(contact.other);
       if (contact.part == ShellPart::wall) add_wall(contact.other);
     }
-    if (!found.turned_pieces.empty() || !found.nested_pieces.empty()) {
-      // Seldom, and all of a piece is at fault: shorten everything.
+    if (!found.nested_pieces.empty()) {
+      // Seldom, and all of a piece is at fault: everything gets shorter.
       for (std::size_t t = 0; 3 * t < surface_.triangles.size(); ++t) add_corners(t);
     }
     std::sort(vertices.begin(), vertices.end());
