@@ -71,6 +71,7 @@ struct LpKernel {
 
 /// The version for this processor. All have the same results.
 const LpKernel& lp_kernel();
-extern const LpKernel k_lp_kernel_avx2;
+extern const LpKernel k_lp_kernel_baseline;
+extern const LpKernel k_lp_kernel_avx2;  ///< for x86-64 only
 
 }  // namespace recede::detail

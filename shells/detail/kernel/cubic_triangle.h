@@ -41,8 +41,8 @@ inline Double4 edge_term(const Vector4& a, const Vector4& b, Double4 lengths, Do
 /// the derivative of Omega / |w| by w. Near the plane, outside of the triangle, both follow from tan(Omega /
 /// 2) = N / D with N = 2 area |w|, without a division by w. The integral along an edge is |b - a| (1 / |a| +
 /// 1 / |b|) / (|a| |b| + a.b).
-inline Integral4 integrate_cubic(const Vector4& a, const Vector4& b, const Vector4& c, const Vector4& normal,
-                                 Double4 twice_area) {
+RECEDE_INLINE Integral4 integrate_cubic(const Vector4& a, const Vector4& b, const Vector4& c,
+                                        const Vector4& normal, Double4 twice_area) {
   const Double4 zero = all4(0), one = all4(1), two = all4(2);
   const Double4 ra = root(dot(a, a)), rb = root(dot(b, b)), rc = root(dot(c, c));
   const Double4 ia = one / ra, ib = one / rb, ic = one / rc;

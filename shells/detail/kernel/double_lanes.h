@@ -3,6 +3,9 @@
 // internal linkage, so that no version of it is called by sources compiled for older processors.
 #pragma once
 
+// For what a query does many times: calls would pass lanes through memory.
+#define RECEDE_INLINE inline __attribute__((always_inline))
+
 namespace recede::detail {
 namespace {
 

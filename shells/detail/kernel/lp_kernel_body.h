@@ -124,33 +124,58 @@ struct Totals {
   }
 };
 
+/// What is still to be visited. Children go where they belong without a branch for each, which processors
+/// would guess wrong.
+struct Pending {
+  // Of the eight children of two nodes, six wait while two are followed: six for each of 16 levels, and
+  // eight.
+  static constexpr int k_nodes = 128, k_leaves = 64;
+  std::uint32_t nodes[k_nodes];
+  std::uint32_t leaves[k_leaves + 8];  // and what two nodes add to a list that isn't full
+  int n_nodes = 0, n_leaves = 0;
+
+  void push(const LpNode& node, Mask4 is_open) {
+    for (int lane = 0; lane < 4; ++lane) {
+      const std::uint32_t child = node.child[lane];
+      const auto open = static_cast<std::uint32_t>(is_open[lane]) & 1u, leaf = child >> 31u;
+      nodes[n_nodes] = child;
+      n_nodes += static_cast<int>(open & ~leaf);
+      leaves[n_leaves] = child & ~k_lp_leaf_bit;
+      n_leaves += static_cast<int>(open & leaf);
+    }
+  }
+};
+
 template <bool is_cubic, bool is_weighted, bool is_bounded>
 LpSums sum_tree(const LpArrays& arrays, const LpQuery& query) {
   const Setting setting(query);
   Totals<is_cubic, is_weighted, is_bounded> totals;
   LpSums sums;
-  constexpr int k_depth = 64;  // three for each level of a tree of 2^31 leaves at most, and the last four
-  std::uint32_t stack[k_depth];
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const std::uint32_t next = stack[--top];
-    if ((next & k_lp_leaf_bit) != 0) {
-      const LpBlock& block = arrays.blocks[next & ~k_lp_leaf_bit];
+  Pending pending;
+  pending.nodes[pending.n_nodes++] = 0;
+  while (pending.n_nodes > 0 || pending.n_leaves > 0) {
+    while (pending.n_nodes > 0 && pending.n_leaves < Pending::k_leaves) {
+      // Which nodes come next is known only when one is done; a second one fills the time.
+      const std::uint32_t first = pending.nodes[--pending.n_nodes];
+      if (pending.n_nodes == 0) {
+        pending.push(arrays.nodes[first], totals.add(setting, arrays.nodes[first], arrays.extents[first]));
+        continue;
+      }
+      const std::uint32_t second = pending.nodes[--pending.n_nodes];
+      const Mask4 open_first = totals.add(setting, arrays.nodes[first], arrays.extents[first]);
+      const Mask4 open_second = totals.add(setting, arrays.nodes[second], arrays.extents[second]);
+      pending.push(arrays.nodes[first], open_first);
+      pending.push(arrays.nodes[second], open_second);
+    }
+    for (int k = 0; k < pending.n_leaves; ++k) {
+      const LpBlock& block = arrays.blocks[pending.leaves[k]];
       if (is_cubic && arrays.add_leaf == nullptr) {
         totals.add_triangles(setting, block);
       } else {
         arrays.add_leaf(block, query, sums);
       }
-      continue;
     }
-    const LpNode& node = arrays.nodes[next];
-    const Mask4 is_open = totals.add(setting, node, arrays.extents[next]);
-    // Without a branch for each child, which processors would guess wrong.
-    for (int lane = 0; lane < 4; ++lane) {
-      stack[top] = node.child[lane];
-      top -= static_cast<int>(is_open[lane]);
-    }
+    pending.n_leaves = 0;
   }
   sums.integral += total(totals.value);
   sums.gradient[0] += total(totals.gradient.x);
@@ -178,7 +203,6 @@ LpSums sum_all(const LpArrays& arrays, const LpQuery& query) {
 
 }  // namespace
 
-extern const LpKernel RECEDE_KERNEL;
 const LpKernel RECEDE_KERNEL = {sum_all};
 
 }  // namespace recede::detail
