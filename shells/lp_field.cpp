@@ -69,6 +69,13 @@ const PolygonSoup& checked(const PolygonSoup& soup, const LpDistanceOptions& opt
   return soup;
 }
 
+/// Of what has faces: a lost vertex may be anywhere.
+Box3 box_of_faces(const PolygonSoup& soup) {
+  Box3 box;
+  for (const Index vertex : soup.corner_vertices) box.extend(soup.positions[vertex]);
+  return box;
+}
+
 /// The nearest triangle, or point of the source.
 std::unique_ptr<const ClosestPointTree> nearest_of(const Surface& surface, LpSource source) {
   if (source == LpSource::triangles)
@@ -139,7 +146,7 @@ double LpFrame::outside(double length) const { return std::ldexp(length, -expone
 
 LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
     : options_(options),
-      frame_(bounding_box(checked(soup, options))),
+      frame_(box_of_faces(checked(soup, options))),
       support_(std::ldexp(options.support, frame_.exponent)) {
   const Surface surface = surface_of(soup, frame_);
   tree_ = LpTree(
@@ -153,6 +160,10 @@ LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
 LpValue LpField::at(const Vec3& point) const {
   if (!point.allFinite()) throw InputError("an averaged distance was asked for a point that isn't finite");
   const Vec3 x = frame_.inside(point);
+  constexpr double k_farthest =
+      1e50;  // the surface has a size of about 1 here; cubes neither overflow nor vanish
+  if (!(x.cwiseAbs().maxCoeff() < k_farthest))
+    throw InputError("a point is too far away from the surface for an averaged distance");
   const bool is_exact = options_.source == LpSource::triangles;
   double unit = 1;
   if (nearest_) {

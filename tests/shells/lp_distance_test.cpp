@@ -370,6 +370,7 @@ TEST(LpDistance, PolygonsCountAsTrianglesAndThoseWithoutAreaNotAtAll) {
   const LpValue before = LpDistance(soup, exact()).at(Vec3(0.3, 0.1, 0.4));
   EXPECT_NEAR(LpDistance(soup).area(), 4, 1e-14);
   soup.positions.push_back(Vec3(5, 5, 5));
+  soup.positions.push_back(Vec3::Constant(1e200));  // no face has it
   soup.add_face(std::array<Index, 3>{0, 1, 1});
   soup.add_face(std::array<Index, 3>{4, 4, 4});
   const LpValue after = LpDistance(soup, exact()).at(Vec3(0.3, 0.1, 0.4));
@@ -393,6 +394,8 @@ TEST(LpDistance, BadInputIsNamed) {
   EXPECT_THAT(complaint(good, {.opening = -1}), HasSubstr("opening"));
   EXPECT_THAT(complaint(good, {.error = 0}), HasSubstr("error"));
   EXPECT_THAT(complaint(good, {.support = 0}), HasSubstr("support"));
+  EXPECT_TRUE(std::isfinite(LpDistance(good).at(Vec3(1e49, 0, 0)).distance));
+  EXPECT_THROW(LpDistance(good).at(Vec3(1e51, 0, 0)), InputError);
   EXPECT_THROW(LpDistance(good).at(Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0)), InputError);
 }
 

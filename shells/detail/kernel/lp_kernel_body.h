@@ -6,7 +6,7 @@ namespace recede::detail {
 namespace {
 
 /// Where weights differ, the largest radius of a part that is summed up, of the support.
-constexpr double k_fading_part = 0.125;
+constexpr double k_fading_part = 0.25;
 
 /// 1 up to the support, 0 from 5/4 of it on.
 inline Double4 weight_of(Double4 distance, double support) {
