@@ -57,7 +57,7 @@ struct LpDistanceOptions {
   std::optional<double> error{};
   /// The surface counts fully up to this far from the point of interest, not at all from 5/4 of it on, and by
   /// a smoothstep of the distance between; distances are those of triangles' centroids, or of the centroids
-  /// of parts that are summed up, of which none reaches farther than 11/8 of the support. The gradient leaves
+  /// of parts that are summed up, of which none reaches farther than 3/2 of the support. The gradient leaves
   /// out that these weights move with the point.
   double support = std::numeric_limits<double>::infinity();
 };
@@ -86,8 +86,8 @@ class LpDistance {
   LpDistance(LpDistance&&) noexcept;
   LpDistance& operator=(LpDistance&&) noexcept;
 
-  /// Throws `InputError` for a point that isn't finite. Of a source of points, those that are bit for bit
-  /// the point asked for are left out.
+  /// Throws `InputError` for a point that isn't finite, or farther away than 1e50 times the surface's size.
+  /// Of a source of points, those that are bit for bit the point asked for are left out.
   LpValue at(const Vec3& point) const;
   /// The same for many points, in parallel. Throws `InputError` as above, and `Cancelled`.
   std::vector<LpValue> at(std::span<const Vec3> points, Progress* progress = nullptr) const;

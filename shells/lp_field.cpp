@@ -1,17 +1,13 @@
 #include <recede/geometry/error.h>
-#include <recede/shells/detail/cubic_triangle.h>
 #include <recede/shells/detail/lp_field.h>
 #include <recede/shells/detail/power_triangle.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace recede::detail {
 namespace {
-
-constexpr double k_fade_end = 1.25;  // of the support
-constexpr double k_fading_part =
-    0.125;  // where weights differ, radius of parts that are summed up, of the support
 
 void check(const LpDistanceOptions& options) {
   constexpr double k_largest_power = 1000;
@@ -73,6 +69,13 @@ const PolygonSoup& checked(const PolygonSoup& soup, const LpDistanceOptions& opt
   return soup;
 }
 
+/// Of what has faces: a lost vertex may be anywhere.
+Box3 box_of_faces(const PolygonSoup& soup) {
+  Box3 box;
+  for (const Index vertex : soup.corner_vertices) box.extend(soup.positions[vertex]);
+  return box;
+}
+
 /// The nearest triangle, or point of the source.
 std::unique_ptr<const ClosestPointTree> nearest_of(const Surface& surface, LpSource source) {
   if (source == LpSource::triangles)
@@ -82,22 +85,47 @@ std::unique_ptr<const ClosestPointTree> nearest_of(const Surface& surface, LpSou
   return std::make_unique<const ClosestPointTree>(surface.positions, points);
 }
 
-template <bool is_cubic>
-DoublePair power_of(DoublePair inverse_square, double p, double squared_unit) {
-  if constexpr (is_cubic) {
-    return inverse_square * root(inverse_square);
-  } else {
-    return DoublePair{std::pow(inverse_square[0] * squared_unit, 0.5 * p),
-                      std::pow(inverse_square[1] * squared_unit, 0.5 * p)};
+/// As in the kernel.
+double weight_of(double distance, double support) {
+  if (std::isinf(support)) return 1;
+  const double t =
+      std::clamp((k_lp_fade_end * support - distance) / ((k_lp_fade_end - 1) * support), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+Vec3 lane_of(const double (&values)[3][k_lp_lanes], std::size_t lane) {
+  return {values[0][lane], values[1][lane], values[2][lane]};
+}
+
+void add(double integral, const Vec3& gradient, double area, LpSums& sums) {
+  sums.integral += integral;
+  for (std::size_t k = 0; k < 3; ++k) sums.gradient[k] += gradient[static_cast<Eigen::Index>(k)];
+  sums.area += area;
+}
+
+void add_triangles(const LpBlock& block, const LpQuery& query, LpSums& sums) {
+  const Vec3 x(query.point[0], query.point[1], query.point[2]);
+  for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
+    if (!(block.mass[lane] > 0)) continue;
+    const Vec3 a = lane_of(block.corners[0], lane) - x, b = lane_of(block.corners[1], lane) - x,
+               c = lane_of(block.corners[2], lane) - x;
+    const double weight = weight_of((a + b + c).norm() / 3, query.support), unit = query.unit;
+    if (!(weight > 0)) continue;
+    const TriangleIntegral part =
+        integrate_power(a / unit, b / unit, c / unit, lane_of(block.normal, lane), query.p);
+    add(weight * unit * unit * part.value, weight * unit * part.gradient, weight * block.mass[lane], sums);
   }
 }
 
-/// 1 up to the support, 0 from 5/4 of it on.
-DoublePair weight_of(DoublePair distance, double support) {
-  const DoublePair t = (both(k_fade_end * support) - distance) / both((k_fade_end - 1) * support);
-  const DoublePair zero = both(0), one = both(1), two = both(2);
-  const DoublePair inside = select(t < zero, zero, select(t > one, one, t));
-  return inside * inside * (both(3) - two * inside);
+void add_points(const LpBlock& block, const LpQuery& query, LpSums& sums) {
+  for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
+    const Vec3 r = Vec3(query.point[0], query.point[1], query.point[2]) - lane_of(block.corners[0], lane);
+    const double squared = r.squaredNorm();
+    const double mass = block.mass[lane] * weight_of(std::sqrt(squared), query.support);
+    if (!(squared > 0) || !(mass > 0)) continue;
+    const double power = mass * std::pow(query.unit * query.unit / squared, 0.5 * query.p);
+    add(power, -query.p * power / squared * r, mass, sums);
+  }
 }
 
 }  // namespace
@@ -116,14 +144,9 @@ Vec3 LpFrame::inside(const Vec3& p) const {
 
 double LpFrame::outside(double length) const { return std::ldexp(length, -exponent); }
 
-struct LpField::Query {
-  Vec3 point;
-  double unit = 1;  ///< lengths' powers are relative to it
-};
-
 LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
     : options_(options),
-      frame_(bounding_box(checked(soup, options))),
+      frame_(box_of_faces(checked(soup, options))),
       support_(std::ldexp(options.support, frame_.exponent)) {
   const Surface surface = surface_of(soup, frame_);
   tree_ = LpTree(
@@ -134,219 +157,37 @@ LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
   if (options.p != 3) nearest_ = nearest_of(surface, options.source);
 }
 
-template <bool is_cubic, bool is_weighted>
-void LpField::add_triangles(const Query& query, std::size_t index, LpSums& sums) const {
-  const LpTriangleBlock& block = tree_.blocks[index];
-  const double* masses = &tree_.block_masses[k_lp_lanes * index];
-  const Vec3Pair x = {both(query.point.x()), both(query.point.y()), both(query.point.z())};
-  for (std::size_t lane = 0; lane < k_lp_lanes; lane += 2) {
-    const auto load = [&](const double(&v)[3][k_lp_lanes]) {
-      return Vec3Pair{pair_at(&v[0][lane]), pair_at(&v[1][lane]), pair_at(&v[2][lane])};
-    };
-    const Vec3Pair a = load(block.corners[0]) - x, b = load(block.corners[1]) - x,
-                   c = load(block.corners[2]) - x, normal = load(block.normal);
-    const DoublePair twice_area = pair_at(&block.twice_area[lane]);
-    DoublePair weight = both(1);
-    if constexpr (is_weighted) {
-      const DoublePair third = both(1.0 / 3);
-      const Vec3Pair centroid = {(a.x + b.x + c.x) * third, (a.y + b.y + c.y) * third,
-                                 (a.z + b.z + c.z) * third};
-      weight = weight_of(root(dot(centroid, centroid)), support_);
-    }
-    IntegralPair part;
-    if constexpr (is_cubic) {
-      part = integrate_cubic(a, b, c, normal, twice_area);
-    } else {
-      part = {both(0), {both(0), both(0), both(0)}};
-      const double unit = query.unit;
-      for (int k = 0; k < 2; ++k) {
-        if (!(twice_area[k] > 0) || (is_weighted && !(weight[k] > 0))) continue;
-        const auto corner = [&](const Vec3Pair& v) {
-          return Vec3(v.x[k] / unit, v.y[k] / unit, v.z[k] / unit);
-        };
-        const TriangleIntegral one = integrate_power(corner(a), corner(b), corner(c),
-                                                     Vec3(normal.x[k], normal.y[k], normal.z[k]), options_.p);
-        part.value[k] = one.value * unit * unit;
-        part.gradient.x[k] = one.gradient.x() * unit;
-        part.gradient.y[k] = one.gradient.y() * unit;
-        part.gradient.z[k] = one.gradient.z() * unit;
-      }
-    }
-    if constexpr (is_weighted) {
-      // A triangle that doesn't count may be anywhere, but not the reason for an infinity.
-      const PairMask counts = weight > both(0);
-      part.value = where(counts, part.value * weight);
-      part.gradient = {where(counts, part.gradient.x * weight), where(counts, part.gradient.y * weight),
-                       where(counts, part.gradient.z * weight)};
-    }
-    sums.integral += sum(part.value);
-    sums.gradient += Vec3(sum(part.gradient.x), sum(part.gradient.y), sum(part.gradient.z));
-    sums.area += sum(pair_at(masses + lane) * weight);
-  }
-}
-
-template <bool is_weighted>
-void LpField::add_points(const Query& query, std::size_t index, LpSums& sums) const {
-  const LpTriangleBlock& block = tree_.blocks[index];
-  for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
-    const double mass = tree_.block_masses[k_lp_lanes * index + lane];
-    const Vec3 r =
-        query.point - Vec3(block.corners[0][0][lane], block.corners[0][1][lane], block.corners[0][2][lane]);
-    const double squared = r.squaredNorm();
-    double weighted = mass;
-    if constexpr (is_weighted) weighted *= weight_of(both(std::sqrt(squared)), support_)[0];
-    if (!(squared > 0) || !(weighted > 0)) continue;
-    const double power = weighted * std::pow(query.unit * query.unit / squared, 0.5 * options_.p);
-    sums.integral += power;
-    sums.gradient -= options_.p * power / squared * r;
-    sums.area += weighted;
-  }
-}
-
-/// What a node's far children add, pairwise.
-template <bool is_cubic, bool is_weighted, bool is_bounded>
-struct FarSums {
-  DoublePair value = both(0), mass = both(0);
-  Vec3Pair gradient = {both(0), both(0), both(0)};
-  DoublePair error = both(0), gradient_error = both(0);
-
-  struct Setting {
-    Vec3Pair x;
-    double p, squared_unit, support;
-    bool quadrupole;
-    double error_factor, gradient_error_factor;
-  };
-
-  /// The children that are neither summed up nor without weight.
-  PairMask add(const Setting& setting, const LpNode& node, const LpNodeExtent& extent, std::size_t lane) {
-    const double p = setting.p;
-    const Vec3Pair r =
-        setting.x - Vec3Pair{pair_at(node.x + lane), pair_at(node.y + lane), pair_at(node.z + lane)};
-    const DoublePair squared = dot(r, r);
-    PairMask is_far = squared > pair_at(node.squared_reach + lane), is_out = squared < both(0);
-    DoublePair weight = both(1), distance = both(0);
-    const DoublePair radius = is_weighted || is_bounded ? pair_at(extent.radius + lane) : both(0);
-    if constexpr (is_weighted || is_bounded) distance = root(squared);
-    if constexpr (is_weighted) {
-      weight = weight_of(distance, setting.support);
-      is_out = distance - radius > both(k_fade_end * setting.support);
-      // The bound is for weights by triangles: where they differ, the tree is followed down to them.
-      const PairMask is_full = distance + radius < both(setting.support);
-      if constexpr (is_bounded) {
-        is_far = is_far & is_full;
-      } else {
-        is_far = is_far & (is_full | (radius < both(k_fading_part * setting.support)));
-      }
-    }
-    const PairMask counts = is_far & ~is_out;
-    const DoublePair inverse = where(counts, both(1) / squared);
-    const auto entry = [&](std::size_t k) { return pair_at(node.tensor[k] + lane); };
-    const DoublePair xy = entry(3), xz = entry(4), yz = entry(5);
-    const Vec3Pair turned = {entry(0) * r.x + xy * r.y + xz * r.z, xy * r.x + entry(1) * r.y + yz * r.z,
-                             xz * r.x + yz * r.y + entry(2) * r.z};
-    const DoublePair child = pair_at(node.mass + lane), inverse2 = inverse * inverse;
-    const DoublePair second = dot(turned, r) * inverse2;
-    const DoublePair power = power_of<is_cubic>(inverse, p, setting.squared_unit) * weight;
-    value += power * (child + second);
-    const DoublePair along = -power * inverse * (both(p) * child + both(p + 4) * second),
-                     across = both(2) * power * inverse2;
-    gradient.x += along * r.x + across * turned.x;
-    gradient.y += along * r.y + across * turned.y;
-    gradient.z += along * r.z + across * turned.z;
-    mass += where(counts, child * weight);
-    if constexpr (is_bounded) {
-      const DoublePair nearest = where(counts, both(1) / (distance - radius)), nearest2 = nearest * nearest;
-      const DoublePair order = setting.quadrupole ? nearest * nearest2 : nearest2;
-      const DoublePair remainder =
-          pair_at(extent.remainder + lane) * order * power_of<is_cubic>(nearest2, p, setting.squared_unit);
-      error += both(setting.error_factor) * remainder;
-      gradient_error += both(setting.gradient_error_factor) * remainder * nearest;
-    }
-    return ~(is_far | is_out);
-  }
-};
-
-template <bool is_cubic, bool is_weighted, bool is_bounded>
-LpSums LpField::integrate(const Query& query) const {
-  using Far = FarSums<is_cubic, is_weighted, is_bounded>;
-  const Vec3& point = query.point;
-  typename Far::Setting setting{{both(point.x()), both(point.y()), both(point.z())},
-                                options_.p,
-                                query.unit * query.unit,
-                                support_,
-                                tree_.quadrupole,
-                                1,
-                                1};
-  const int order = tree_.first_order_left_out();
-  for (int k = 0; k < order; ++k) setting.error_factor *= (options_.p + k) / (k + 1);
-  // One derivative more: p (p + 1) ... (p + order) / order!, by the same polynomials.
-  setting.gradient_error_factor = setting.error_factor * (options_.p + order);
-  Far far;
-  LpSums sums;
-  constexpr std::size_t k_depth =
-      64;  // 3 for each level of a tree of 2^31 triangles at most, and the last four
-  Index stack[k_depth];
-  std::size_t top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Index next = stack[--top];
-    if ((next & k_lp_leaf_bit) != 0) {
-      const std::size_t block = next & ~k_lp_leaf_bit;
-      if (options_.source == LpSource::triangles) {
-        add_triangles<is_cubic, is_weighted>(query, block, sums);
-      } else {
-        add_points<is_weighted>(query, block, sums);
-      }
-      continue;
-    }
-    const LpNode& node = tree_.nodes[next];
-    const PairMask open[2] = {far.add(setting, node, tree_.extents[next], 0),
-                              far.add(setting, node, tree_.extents[next], 2)};
-    // Without a branch for each child, which processors would guess wrong.
-    for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
-      stack[top] = node.child[lane];
-      top += open[lane / 2][lane % 2] != 0 ? 1 : 0;
-    }
-  }
-  sums.integral += sum(far.value);
-  sums.gradient += Vec3(sum(far.gradient.x), sum(far.gradient.y), sum(far.gradient.z));
-  sums.area += sum(far.mass);
-  sums.error = sum(far.error);
-  sums.gradient_error = sum(far.gradient_error);
-  return sums;
-}
-
-LpSums LpField::sum_up(const Query& query) const {
-  const bool is_weighted = std::isfinite(support_), is_bounded = options_.error.has_value();
-  if (options_.p == 3) {
-    if (is_bounded)
-      return is_weighted ? integrate<true, true, true>(query) : integrate<true, false, true>(query);
-    return is_weighted ? integrate<true, true, false>(query) : integrate<true, false, false>(query);
-  }
-  if (is_bounded)
-    return is_weighted ? integrate<false, true, true>(query) : integrate<false, false, true>(query);
-  return is_weighted ? integrate<false, true, false>(query) : integrate<false, false, false>(query);
-}
-
 LpValue LpField::at(const Vec3& point) const {
   if (!point.allFinite()) throw InputError("an averaged distance was asked for a point that isn't finite");
-  Query query{frame_.inside(point)};
+  const Vec3 x = frame_.inside(point);
+  constexpr double k_farthest =
+      1e50;  // the surface has a size of about 1 here; cubes neither overflow nor vanish
+  if (!(x.cwiseAbs().maxCoeff() < k_farthest))
+    throw InputError("a point is too far away from the surface for an averaged distance");
+  const bool is_exact = options_.source == LpSource::triangles;
+  double unit = 1;
   if (nearest_) {
-    query.unit = std::sqrt(nearest_->closest(query.point).squared_distance);
+    unit = std::sqrt(nearest_->closest(x).squared_distance);
     // Nothing is at a distance of 0 to be relative to: on the surface, or at a point that is left out.
-    if (!(query.unit > 0)) {
-      if (options_.p >= 2 && options_.source == LpSource::triangles) return {};
-      query.unit = 1;
+    if (!(unit > 0)) {
+      if (options_.p >= 2 && is_exact) return {};
+      unit = 1;
     }
   }
-  return value_of(sum_up(query), query.unit);
+  const LpQuery query{{x.x(), x.y(), x.z()},       options_.p, unit, support_, options_.error.has_value(),
+                      tree_.first_order_left_out()};
+  const auto add_leaf = !is_exact ? add_points : options_.p == 3 ? nullptr : add_triangles;
+  return value_of(
+      lp_kernel().sum({tree_.nodes.data(), tree_.extents.data(), tree_.blocks.data(), add_leaf}, query),
+      unit);
 }
 
 LpValue LpField::value_of(const LpSums& sums, double unit) const {
   const double p = options_.p;
+  const Vec3 gradient(sums.gradient[0], sums.gradient[1], sums.gradient[2]);
   LpValue result;
   // Not a number: on the surface, or so near that squares overflow.
-  if (std::isnan(sums.integral) || std::isinf(sums.integral) || !sums.gradient.allFinite()) return result;
+  if (std::isnan(sums.integral) || std::isinf(sums.integral) || !gradient.allFinite()) return result;
   if (!(sums.integral > 0)) {
     result.distance = std::numeric_limits<double>::infinity();
     return result;
@@ -364,14 +205,13 @@ LpValue LpField::value_of(const LpSums& sums, double unit) const {
     distance = unit * std::pow(sums.area / sums.integral, exponent);
   }
   const double factor = exponent * distance / sums.integral;
-  result.gradient = -factor * sums.gradient;
+  result.gradient = -factor * gradient;
   if (options_.error && sums.error < sums.integral) {
     const double share = sums.error / sums.integral;
     result.error_bound = share / (1 - share);
     // The gradient is I^-(1 + exponent) times that of I, and both are off.
     const double off = std::pow(1 - share, -(1 + exponent)) - 1;
-    result.gradient_error =
-        factor * (sums.gradient_error + off * (sums.gradient.norm() + sums.gradient_error));
+    result.gradient_error = factor * (sums.gradient_error + off * (gradient.norm() + sums.gradient_error));
   }
   result.distance = frame_.outside(distance);
   return result;

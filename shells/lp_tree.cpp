@@ -112,7 +112,7 @@ class Builder {
     // Nothing, and so far away that no query is there, where 0 times infinity would be something.
     constexpr double k_nowhere = 1e150;
     LpNode node{};
-    std::fill(std::begin(node.x), std::end(node.x), k_nowhere);
+    std::fill(std::begin(node.center[0]), std::end(node.center[0]), k_nowhere);
     std::fill(std::begin(node.squared_reach), std::end(node.squared_reach), -1.0);
     return node;
   }
@@ -147,7 +147,7 @@ class Builder {
   }
 
   Part add_leaf(std::size_t first, std::size_t last) {
-    LpTriangleBlock block{};
+    LpBlock block{};
     std::array<Part, k_lp_lanes> parts;
     for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
       // Empty lanes are a triangle that is somewhere, and whose area of zero takes it out.
@@ -163,7 +163,7 @@ class Builder {
         block.normal[k][lane] = twice_area > 0 ? normal[axis] / twice_area : 0;
       }
       block.twice_area[lane] = is_empty ? 0 : twice_area;
-      tree_.block_masses.push_back(is_empty ? 0 : element.mass);
+      block.mass[lane] = is_empty ? 0 : element.mass;
       if (!is_empty) parts[lane] = part_of(element);
     }
     tree_.blocks.push_back(block);
@@ -181,9 +181,7 @@ class Builder {
     extent.radius[lane] = radius;
     extent.remainder[lane] = options_.quadrupole ? radius * second : second;
     LpNode& node = tree_.nodes[index];
-    node.x[lane] = part.centroid.x();
-    node.y[lane] = part.centroid.y();
-    node.z[lane] = part.centroid.z();
+    for (std::size_t k = 0; k < 3; ++k) node.center[k][lane] = part.centroid[static_cast<Eigen::Index>(k)];
     node.mass[lane] = part.mass;
     const double p = options_.p;
     const double reach = options_.error > 0 ? reach_for(options_.error, p, tree_.first_order_left_out(),

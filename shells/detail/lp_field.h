@@ -17,15 +17,6 @@ struct LpFrame {
   int exponent = 0;
 };
 
-/// Sums over the surface, in the frame. Powers p of lengths come relative to a length near the distance.
-struct LpSums {
-  double integral = 0;  ///< I_p
-  Vec3 gradient = Vec3::Zero();
-  double area = 0;            ///< that was integrated, by weights
-  double error = 0;           ///< of the integral, at most
-  double gradient_error = 0;  ///< at most
-};
-
 class LpField {
  public:
   LpField(const PolygonSoup& surface, const LpDistanceOptions& options);
@@ -33,14 +24,6 @@ class LpField {
   double area() const { return area_; }
 
  private:
-  struct Query;
-  template <bool is_cubic, bool is_weighted, bool is_bounded>
-  LpSums integrate(const Query& query) const;
-  LpSums sum_up(const Query& query) const;
-  template <bool is_cubic, bool is_weighted>
-  void add_triangles(const Query& query, std::size_t block, LpSums& sums) const;
-  template <bool is_weighted>
-  void add_points(const Query& query, std::size_t block, LpSums& sums) const;
   LpValue value_of(const LpSums& sums, double unit) const;
 
   LpDistanceOptions options_;

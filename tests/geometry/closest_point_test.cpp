@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace recede {
@@ -52,6 +53,34 @@ TEST(ClosestPoint, OfOtherLabelsIsThatOfBruteForce) {
       }
     }
   }
+}
+
+TEST(ClosestPoint, TrianglesWithinADistanceAreThoseOfBruteForce) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::size_t found = 0;
+  for (const std::size_t n : {1u, 3u, 5u, 40u, 300u}) {
+    const Triangles triangles = random_triangles(n, random);
+    const ClosestPointTree tree(triangles.positions, triangles.corners);
+    for (int query = 0; query < 100; ++query) {
+      const Vec3 p(unit(random), unit(random), unit(random));
+      const double distance = unit(random) * unit(random);
+      std::vector<Index> expected, hits;
+      for (Index t = 0; t < n; ++t) {
+        if ((closest_point_on_triangle(p, tree.triangle(t)) - p).squaredNorm() <= distance * distance)
+          expected.push_back(t);
+      }
+      for (const ClosestPointTree::Hit& hit : tree.closest_within(p, distance)) {
+        hits.push_back(hit.triangle);
+        EXPECT_EQ(hit.point, closest_point_on_triangle(p, tree.triangle(hit.triangle)));
+        EXPECT_EQ(hit.squared_distance, (hit.point - p).squaredNorm());
+      }
+      std::sort(hits.begin(), hits.end());
+      EXPECT_EQ(hits, expected);
+      found += hits.size();
+    }
+  }
+  EXPECT_GT(found, 200u);
 }
 
 /// By Cramer's rule, in the order of the list.

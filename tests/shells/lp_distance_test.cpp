@@ -1,5 +1,6 @@
 #include "error_text.h"
 #include "lp_shapes.h"
+#include <recede/shells/detail/power_triangle.h>
 
 #include <gmock/gmock.h>
 #include <oneapi/tbb/global_control.h>
@@ -208,29 +209,47 @@ TEST(LpDistance, FallsWithPAndIsAtLeastTheDistance) {
   }
 }
 
+/// The direction away from the surface with p = 1, which `LpDistance` refuses.
+Vec3 direction_of_first_power(const PolygonSoup& surface, const Vec3& x) {
+  Vec3 gradient = Vec3::Zero();
+  for (std::size_t f = 0; f < surface.n_faces(); ++f) {
+    const Vec3 a = surface.positions[surface.face(f)[0]], b = surface.positions[surface.face(f)[1]],
+               c = surface.positions[surface.face(f)[2]];
+    const Vec3 normal = (b - a).cross(c - a).normalized();
+    gradient -= detail::integrate_power(a - x, b - x, c - x, normal, 1).gradient;
+  }
+  return gradient.normalized();
+}
+
 TEST(LpDistance, NearAWallItPointsAlongTheNormalForPAboveOne) {
-  // A sphere with a round hole: with p = 1 the field near the rim leads into the wall.
-  const PolygonSoup cup = part_of_sphere(4, [](const Vec3& at) { return at.z() < std::cos(k_pi / 9); });
-  std::vector<double> least;
-  for (const double p : {1.2, 1.5, 2.0, 3.0, 4.0}) {
-    LpDistanceOptions options = exact(p, LpForm::averaged);
-    options.opening = 1;
+  // A sphere with a round hole of half-angle 20 degrees, 76 places near the wall: with p = 1 the field leads
+  // back into the wall near the hole's rim. How far from the rim the source's places are isn't known; these
+  // are from half of a nineteenth of the arc on.
+  const double hole = k_pi / 9;
+  const PolygonSoup cup = part_of_sphere(4, [&](const Vec3& at) { return at.z() < std::cos(hole); });
+  const std::vector<double> powers = {1, 1.2, 1.5, 2, 3, 4}, least = {-1, -0.1, 0.5, 0.8, 0.9, 0.95};
+  double before = -1;
+  for (std::size_t k = 0; k < powers.size(); ++k) {
+    const double p = powers[k];
+    LpDistanceOptions options{.p = std::max(p, 1.2), .form = LpForm::averaged};
     const LpDistance distance(cup, options);
     double worst = 1;
-    for (const double off : {0.05, 0.1, 0.2}) {
-      for (int i = 0; i < 12; ++i) {
-        const double polar = k_pi * (i + 2.6) / 15;
-        const Vec3 outward(std::sin(polar), 0, std::cos(polar));
-        worst = std::min(worst, -distance.at((1 - off) * outward).gradient.normalized().dot(outward));
+    for (const double off : {0.02, 0.05, 0.1, 0.2}) {
+      for (int i = 0; i < 19; ++i) {
+        const double polar = hole + (k_pi - hole) * (i + 0.5) / 19;
+        const Vec3 outward(0.8 * std::sin(polar), 0.6 * std::sin(polar), std::cos(polar));
+        const Vec3 x = (1 - off) * outward;
+        const Vec3 g = p == 1 ? direction_of_first_power(cup, x) : distance.at(x).gradient.normalized();
+        worst = std::min(worst, -g.dot(outward));
       }
     }
-    if (!least.empty()) {
-      EXPECT_GT(worst, least.back()) << p;
+    EXPECT_GT(worst, least[k]) << p;
+    EXPECT_GT(worst, before) << p;
+    if (p == 1) {
+      EXPECT_LT(worst, -0.2);
     }
-    least.push_back(worst);
+    before = worst;
   }
-  EXPECT_LT(least.front(), 0.6);
-  EXPECT_GT(least.back(), 0.9);
 }
 
 TEST(LpDistance, IsSmoothAcrossTheMedialAxis) {
@@ -351,6 +370,7 @@ TEST(LpDistance, PolygonsCountAsTrianglesAndThoseWithoutAreaNotAtAll) {
   const LpValue before = LpDistance(soup, exact()).at(Vec3(0.3, 0.1, 0.4));
   EXPECT_NEAR(LpDistance(soup).area(), 4, 1e-14);
   soup.positions.push_back(Vec3(5, 5, 5));
+  soup.positions.push_back(Vec3::Constant(1e200));  // no face has it
   soup.add_face(std::array<Index, 3>{0, 1, 1});
   soup.add_face(std::array<Index, 3>{4, 4, 4});
   const LpValue after = LpDistance(soup, exact()).at(Vec3(0.3, 0.1, 0.4));
@@ -374,6 +394,8 @@ TEST(LpDistance, BadInputIsNamed) {
   EXPECT_THAT(complaint(good, {.opening = -1}), HasSubstr("opening"));
   EXPECT_THAT(complaint(good, {.error = 0}), HasSubstr("error"));
   EXPECT_THAT(complaint(good, {.support = 0}), HasSubstr("support"));
+  EXPECT_TRUE(std::isfinite(LpDistance(good).at(Vec3(1e49, 0, 0)).distance));
+  EXPECT_THROW(LpDistance(good).at(Vec3(1e51, 0, 0)), InputError);
   EXPECT_THROW(LpDistance(good).at(Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0)), InputError);
 }
 

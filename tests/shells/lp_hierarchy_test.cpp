@@ -1,5 +1,6 @@
 // What summing up parts of a surface adds to its averaged distance.
 #include "lp_shapes.h"
+#include <recede/shells/detail/lp_tree.h>
 
 #include <gtest/gtest.h>
 
@@ -139,6 +140,35 @@ TEST(LpHierarchy, SumsOfPointsAreSummedUpAsWell) {
     const LpValue exact_value = a.at(x), value = b.at(x);
     EXPECT_NEAR(value.distance / exact_value.distance, 1, 5e-3);
     EXPECT_LT((value.gradient - exact_value.gradient).norm(), 1e-2 * exact_value.gradient.norm() + 1e-3);
+  }
+}
+
+TEST(LpHierarchy, KernelsForAllProcessorsHaveTheSameBits) {
+  const PolygonSoup surface = bumpy_ellipsoid(3);
+  std::vector<detail::LpElement> elements;
+  for (std::size_t f = 0; f < surface.n_faces(); ++f) {
+    const Vec3 a = surface.positions[surface.face(f)[0]], b = surface.positions[surface.face(f)[1]],
+               c = surface.positions[surface.face(f)[2]];
+    elements.push_back({{a, b, c}, 0.5 * (b - a).cross(c - a).norm()});
+  }
+  const detail::LpTree tree(elements, {});
+  const detail::LpArrays arrays{tree.nodes.data(), tree.extents.data(), tree.blocks.data(), nullptr};
+  for (const double support : {0.8, std::numeric_limits<double>::infinity()}) {
+    for (const bool is_bounded : {false, true}) {
+      for (const Vec3& x : places_around(surface)) {
+        const detail::LpQuery query{{x.x(), x.y(), x.z()},      3, 1, support, is_bounded,
+                                    tree.first_order_left_out()};
+        const detail::LpSums a = detail::k_lp_kernel_baseline.sum(arrays, query),
+                             b = detail::lp_kernel().sum(arrays, query);
+        EXPECT_EQ(a.integral, b.integral);
+        EXPECT_EQ(a.gradient[0], b.gradient[0]);
+        EXPECT_EQ(a.gradient[1], b.gradient[1]);
+        EXPECT_EQ(a.gradient[2], b.gradient[2]);
+        EXPECT_EQ(a.area, b.area);
+        EXPECT_EQ(a.error, b.error);
+        EXPECT_EQ(a.gradient_error, b.gradient_error);
+      }
+    }
   }
 }
 

@@ -134,7 +134,7 @@ TEST(LpIntegral, InThePlaneOfATriangleItIsTheLimitFromAbove) {
                         Vec3(0.5001, 0.5001, 0), Vec3(0, 7, 0)}) {
     const CubicIntegral at = by_library(x, t);
     const CubicIntegral points = by_adaptive_points(x, t, 3, 1e-11 * by_points(x, t, 3).value);
-    EXPECT_NEAR(at.value / points.value, 1, 1e-7);
+    EXPECT_NEAR(at.value / points.value, 1, 1e-6) << "as good as twelve halvings are next to an edge";
     EXPECT_EQ(at.gradient.z(), 0);
     for (const double p : {2.5, 3.0, 5.0}) {
       const auto power = detail::integrate_power(t.a - x, t.b - x, t.c - x, Vec3::UnitZ(), p);

@@ -1,0 +1,56 @@
+// Four doubles at once, for the sources that are compiled once for each kind of processor; where registers
+// hold two, the compiler takes them in turn. Results are the same to the last bit. Everything here has
+// internal linkage, so that no version of it is called by sources compiled for older processors.
+#pragma once
+
+// For what a query does many times: calls would pass lanes through memory.
+#define RECEDE_INLINE inline __attribute__((always_inline))
+
+namespace recede::detail {
+namespace {
+
+using Double4 = double __attribute__((vector_size(32)));
+using Mask4 = long long __attribute__((vector_size(32)));
+
+inline Double4 all4(double value) { return Double4{value, value, value, value}; }
+
+inline Double4 lanes_at(const double (&values)[4]) {
+  Double4 lanes;
+  __builtin_memcpy(&lanes, values, sizeof lanes);
+  return lanes;
+}
+
+inline Double4 select(Mask4 mask, Double4 yes, Double4 no) {
+  return reinterpret_cast<Double4>((mask & reinterpret_cast<Mask4>(yes)) |
+                                   (~mask & reinterpret_cast<Mask4>(no)));
+}
+
+/// The value, or zero whatever the value is, infinite ones too.
+inline Double4 where(Mask4 mask, Double4 value) {
+  return reinterpret_cast<Double4>(mask & reinterpret_cast<Mask4>(value));
+}
+
+inline Double4 root(Double4 x) {
+  return Double4{__builtin_sqrt(x[0]), __builtin_sqrt(x[1]), __builtin_sqrt(x[2]), __builtin_sqrt(x[3])};
+}
+
+inline Double4 magnitude(Double4 x) {
+  constexpr long long k_rest = 0x7fffffffffffffff;
+  return reinterpret_cast<Double4>(reinterpret_cast<Mask4>(x) & Mask4{k_rest, k_rest, k_rest, k_rest});
+}
+
+inline double total(Double4 x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+
+/// Three coordinates of four vectors.
+struct Vector4 {
+  Double4 x, y, z;
+};
+
+inline Vector4 operator-(const Vector4& a, const Vector4& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Double4 dot(const Vector4& a, const Vector4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vector4 cross(const Vector4& a, const Vector4& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace
+}  // namespace recede::detail

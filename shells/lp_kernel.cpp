@@ -1,0 +1,15 @@
+// The kernel for any processor, and the choice of the version that runs.
+#define RECEDE_KERNEL k_lp_kernel_baseline
+#include <recede/shells/detail/kernel/lp_kernel_body.h>
+
+namespace recede::detail {
+
+const LpKernel& lp_kernel() {
+#if defined(RECEDE_AVX2_KERNEL)
+  static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+  if (has_avx2) return k_lp_kernel_avx2;
+#endif
+  return k_lp_kernel_baseline;
+}
+
+}  // namespace recede::detail
