@@ -30,6 +30,7 @@ class LayerRepair {
     layer_.shortened = 0;
     layer_.repair_rounds = 0;
     if (!may_change || layer_.validity.is_valid() || !layer_.validity.has_valid_base()) return;
+    find_neighbours();
     ShellValidity found = layer_.validity;
     for (; layer_.repair_rounds < k_most_rounds && !found.is_valid(); ++layer_.repair_rounds) {
       const std::vector<Index> vertices = offenders_of(found);
@@ -38,7 +39,7 @@ class LayerRepair {
         leans_[v] *= k_shorter;
         place(v);
       }
-      found = check(vertices);
+      found = check(with_slopes(vertices));
     }
     if (found.is_valid()) regrow();
     layer_.validity = check({});
@@ -92,6 +93,46 @@ class LayerRepair {
     return vertices;
   }
 
+  // Beside a director that got shorter the others may be longer by no more than a slope allows, or tops would
+  // stand on edge and prisms there be the next ones inverted. Returns all that changed.
+  std::vector<Index> with_slopes(std::vector<Index> vertices) {
+    constexpr double k_steepest = 1;  // in lengths of directors as traced
+    std::vector<unsigned char> is_listed(scales_.size(), 0);
+    for (const Index v : vertices) is_listed[v] = 1;
+    std::vector<Index> queue = vertices;
+    for (std::size_t next = 0; next < queue.size(); ++next) {
+      const Index v = queue[next];
+      for (std::size_t i = starts_[v]; i < starts_[v + 1]; ++i) {
+        const Index other = neighbours_[i];
+        const double traced = (layer_.traced[other] - surface_.positions[other]).norm();
+        const double way = (surface_.positions[other] - surface_.positions[v]).norm();
+        const double most = scales_[v] + k_steepest * way / traced;
+        if (!(scales_[other] > most)) continue;
+        scales_[other] = most;
+        place(other);
+        queue.push_back(other);
+        if (is_listed[other] == 0) vertices.push_back(other);
+        is_listed[other] = 1;
+      }
+    }
+    std::sort(vertices.begin(), vertices.end());
+    return vertices;
+  }
+
+  void find_neighbours() {
+    const std::span<const Index> triangles = surface_.triangles;
+    starts_.assign(scales_.size() + 1, 0);
+    for (const Index v : triangles) starts_[v + 1] += 2;
+    for (std::size_t v = 0; v < scales_.size(); ++v) starts_[v + 1] += starts_[v];
+    neighbours_.resize(starts_.back());
+    std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+    for (std::size_t corner = 0; corner < triangles.size(); ++corner) {
+      const std::size_t first = corner - corner % 3;
+      for (std::size_t k = 1; k < 3; ++k)
+        neighbours_[next[triangles[corner]]++] = triangles[first + (corner % 3 + k) % 3];
+    }
+  }
+
   // Neighbours of what was at fault got shorter with it: they try a step back.
   void regrow() {
     for (int round = 0; round < k_regrowths; ++round) {
@@ -132,6 +173,8 @@ class LayerRepair {
   Progress* progress_;
   std::vector<double> scales_;  // of lengths
   std::vector<double> leans_;   // 1: as traced, 0: along the normal
+  std::vector<std::size_t> starts_;
+  std::vector<Index> neighbours_;  // of each vertex, some twice
 };
 
 }  // namespace
