@@ -84,7 +84,7 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   std::set<std::string> options{"--version"};
   for (const char* command :
        {"atlas", "bake", "billboards", "simplify", "compare", "diff", "info", "progressive", "extract",
-        "render", "turntable", "dice", "subdivide", "seams", "walk"}) {
+        "render", "turntable", "dice", "subdivide", "seams", "shell", "walk"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -116,6 +116,7 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
             "--appearance", "auto", "--image-width", "8", "--json"},
            {"atlas", sphere, "-o", out + ".obj", "--json"},
            {"billboards", sphere, "--folder", out + "_clouds", "--relative-errors", "0.05", "--json"},
+           {"shell", sphere, "-o", out + ".obj", "--relative-thickness", "0.05", "--side", "envelope", "--json"},
            {"subdivide", sphere, "-o", out + ".obj", "--level", "0", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},

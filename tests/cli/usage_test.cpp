@@ -12,7 +12,7 @@ class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
                          testing::Values("atlas", "bake", "billboards", "simplify", "compare", "diff", "info",
                                          "progressive", "extract", "render", "turntable", "dice", "subdivide",
-                                         "seams", "walk"),
+                                         "seams", "shell", "walk"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {

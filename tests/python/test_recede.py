@@ -458,6 +458,35 @@ def test_billboards_are_drawn_by_heights_and_by_their_reflectance(tmp_path):
         recede.render(bare)
 
 
+def test_a_shell_is_valid_and_says_how_thick_it_is():
+    sphere = recede.make_displaced_sphere(2000)
+    shell = recede.build_shell(sphere, relative_thickness=0.05, side="envelope")
+    assert shell.is_valid and shell.base.n_faces == sphere.n_faces
+    for layer in (shell.exterior, shell.interior):
+        assert layer.is_valid and layer.tops.shape == shell.base.positions.shape
+        assert layer.inverted == [] and layer.top_contacts == [] and layer.base_contacts == []
+        least, mean, most = layer.thickness
+        assert 0 < least <= mean <= most <= 1.01
+    assert shell.boundary.n_faces == 2 * shell.base.n_faces
+    normals = recede.build_shell(sphere, 2, side="interior", directors="normals", repair=False)
+    assert not normals.is_valid and normals.exterior is None and len(normals.interior.inverted) > 0
+    with pytest.raises(recede.OptionError, match="needs one of"):
+        recede.build_shell(sphere)
+    with pytest.raises(recede.OptionError, match="side"):
+        recede.build_shell(sphere, 0.1, side="left")
+
+
+def test_averaged_distance_of_a_plane_is_the_distance():
+    corners = [[-100, -100, 0], [100, -100, 0], [100, 100, 0], [-100, 100, 0]]
+    plane = recede.Mesh(corners, [[0, 1, 2, 3]])
+    at = recede.averaged_distance(plane, [[0, 0, 1], [1, 2, -0.5]])
+    # What is missing of the plane beyond 100 is a hundredth of the integral.
+    assert at.distances == pytest.approx([1, 0.5], rel=0.02)
+    assert at.gradients == pytest.approx(np.array([[0, 0, 1], [0, 0, -1]]), abs=0.03)
+    with pytest.raises(recede.OptionError):
+        recede.averaged_distance(plane, [[0, 0, 1]], p=1)
+
+
 def test_bake_ends_a_tree_with_billboards(tmp_path):
     result = recede.bake(recede.make_tree(), tmp_path, ratios=[0.5], report=False)
     assert result.levels[-1].is_billboards and not result.levels[0].is_billboards

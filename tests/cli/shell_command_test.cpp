@@ -1,0 +1,55 @@
+#include "run_recede.h"
+#include "temp_folder.h"
+#include <recede/geometry/mesh_io.h>
+
+#include <gmock/gmock.h>
+
+namespace recede::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 500), out = folder / "shell.ply";
+  const nlohmann::json result = json_of(
+      run_recede({"shell", sphere, "-o", out, "--relative-thickness", "0.05", "--side", "envelope", "--json"}));
+  EXPECT_TRUE(result["is_valid"]);
+  EXPECT_EQ(result["base_contacts"], 0);
+  for (const char* side : {"exterior", "interior"}) {
+    EXPECT_TRUE(result[side]["is_valid"]);
+    EXPECT_GT(result[side]["thickness"]["mean"], 0.8);
+    EXPECT_LE(result[side]["thickness"]["max"], 1.01);
+  }
+  EXPECT_EQ(read_soup(out).n_faces(), 2 * result["triangles"].get<std::size_t>());
+}
+
+TEST(ShellCommand, SaysWhatIsWrongWithoutRepair) {
+  const nlohmann::json result = json_of(run_recede({"shell", "teapot", "--relative-thickness", "0.05", "--side",
+                                                    "interior", "--directors", "normals", "--no-repair", "--json"}));
+  EXPECT_FALSE(result["is_valid"]);
+  EXPECT_TRUE(result["exterior"].is_null());
+  EXPECT_GT(result["interior"]["inverted"], 0);
+  EXPECT_EQ(result["interior"]["inverted"], result["interior"]["inverted_before"]);
+}
+
+TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
+  const TempFolder folder;
+  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+  const CommandResult run = run_recede({"shell", folder / "cross.obj", "--thickness", "0.1"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.remarks, HasSubstr("meets itself"));
+  EXPECT_THAT(run.output, HasSubstr("not valid"));
+}
+
+TEST(ShellCommand, SaysWhatCantBe) {
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere"}), 2), HasSubstr("--thickness"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "-1"}), 2), HasSubstr("--thickness"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--relative-thickness", "3"}), 2), HasSubstr("diagonal"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--power", "2"}), 2), HasSubstr("p"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "-o", "shell.doc"}), 1),
+              HasSubstr("shell.doc"));
+}
+
+}  // namespace
+}  // namespace recede::test
