@@ -73,7 +73,7 @@ std::vector<TexturedCloud> textured_clouds(const BillboardModel& model, double s
   for (const auto& [name, method] : {std::pair("clusters", BillboardMethod::face_clustering),
                                      std::pair("planes", BillboardMethod::plane_cover)}) {
     const BillboardCloud cloud = cloud_of(model, method, share);
-    for (const double per_error : {1.0, 2.0})
+    for (const double per_error : {1.0, 2.0, 4.0})
       clouds.push_back(
           {name, per_error, texture_billboards(model.soup, cloud, {.texels_per_error = per_error})});
   }

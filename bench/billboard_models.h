@@ -33,7 +33,7 @@ PolygonSoup loose_leaves(std::size_t n);
 /// A cloud with an error that is a share of the longest side, by one of the library's constructions.
 BillboardCloud cloud_of(const BillboardModel& model, BillboardMethod method, double share);
 
-/// Clusters and planes with a texel and with two per error.
+/// Clusters and planes with one, two and four texels per error.
 struct TexturedCloud {
   std::string construction;
   double texels_per_error = 1;

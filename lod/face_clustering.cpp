@@ -125,8 +125,8 @@ BillboardFaces in_order_of_space(const BillboardFaces& faces) {
 // Beside the waste, the source's cost, angles count too: by waste alone, patches become as round as they can,
 // at any place of a bend, and then no two of them may merge.
 constexpr double k_most_tilt = 8;
-// A rectangle that costs no more is as good as any: its area is about that of its faces, which face its way.
-constexpr double k_hardly_better = 1.1;
+// Where a rectangle costs no more, another one isn't tried.
+constexpr double k_good_enough = 3;
 
 class FaceMerger {
  public:
@@ -235,7 +235,7 @@ class FaceMerger {
     const Extents narrow = extents(a, b, axes, is_final);
     const int axis = narrow.narrowest();
     const Fit across = rated(a, b, narrow, axis, moments, is_final);
-    if (across.cost < k_hardly_better) return across;
+    if (across.cost < k_good_enough) return across;
     const Vec3 facing = facing_of(a, b, across.normal);
     const Vec3 wide = axes.col(2);
     Vec3 u = wide - wide.dot(facing) * facing;
@@ -418,6 +418,12 @@ class RoundProgress final : public Progress {
   double fraction_ = 0;
 };
 
+// Whether another round is worth it.
+bool has_many_fewer(std::size_t n, std::size_t n_before) {
+  constexpr double k_many = 0.03;
+  return static_cast<double>(n) < (1 - k_many) * static_cast<double>(n_before);
+}
+
 struct FaceMerges {
   Agglomeration tree;
   std::vector<std::size_t> ends;  // how many merges there are up to each error
@@ -425,7 +431,7 @@ struct FaceMerges {
 };
 
 // Clusters that have grown have other neighbours than their faces had: at each error they are looked for
-// again, until none of them merge.
+// again, until hardly any of them merge.
 FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
                        std::span<const double> errors, Progress* progress) {
   FaceMerger merger(faces, options);
@@ -437,7 +443,7 @@ FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& opti
   result.tree.n_items = faces.count();
   for (const double error : errors) {
     merger.allow(error * (1 - k_rounding) / faces.size);
-    for (std::size_t n_before = clusters.size() + 1; clusters.size() < n_before;) {
+    for (std::size_t n_before = 0; n_before == 0 || has_many_fewer(clusters.size(), n_before);) {
       n_before = clusters.size();
       rounds.start_round(result.tree.merges.size());
       const Agglomeration merges =
