@@ -1,9 +1,11 @@
-// shell_section MODEL THICKNESS OUTPUT.svg: a cut through a surface and its envelope, with the layers between:
-// along normals, along the gradient of the averaged distance, and the same after repair. MODEL is a mesh file or
-// `notch`, a block with a groove; THICKNESS is a share of the longest side of its box.
+// shell_section MODEL THICKNESS OUTPUT.svg: a cut through a surface and its envelope, with the layers
+// between: along normals, along the gradient of the averaged distance, and the same after repair. MODEL is a
+// mesh file or `notch`, a block with a groove; THICKNESS is a share of the longest side of its box.
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/shells/shell.h>
+
+#include <fmt/format.h>
 
 #include <array>
 #include <cmath>
@@ -20,8 +22,9 @@ using namespace recede;
 // A bar along z whose outline is a block with a narrow groove from above.
 PolygonSoup make_notch() {
   std::vector<Vec2> outline;
-  const std::vector<Vec2> corners{{-1, -0.6}, {1, -0.6}, {1, 0.6}, {0.25, 0.6}, {0, -0.2}, {-0.25, 0.6}, {-1, 0.6}};
-  constexpr int k_parts = 24, k_slices = 40;
+  const std::vector<Vec2> corners{{-1, -0.6}, {1, -0.6},    {1, 0.6}, {0.25, 0.6},
+                                  {0, -0.2},  {-0.25, 0.6}, {-1, 0.6}};
+  constexpr int k_parts = 12, k_slices = 30;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2 &from = corners[i], &to = corners[(i + 1) % corners.size()];
     for (int k = 0; k < k_parts; ++k) outline.push_back(from + (to - from) * k / k_parts);
@@ -52,8 +55,7 @@ std::string cut(const std::vector<Vec3>& positions, const std::vector<Index>& tr
       ends.push_back(a + (height - a.z()) / (b.z() - a.z()) * (b - a));
     }
     if (ends.size() != 2) continue;
-    path += "M" + std::to_string(ends[0].x()) + " " + std::to_string(-ends[0].y()) + "L" +
-            std::to_string(ends[1].x()) + " " + std::to_string(-ends[1].y());
+    path += fmt::format("M{:.3f} {:.3f}L{:.3f} {:.3f}", ends[0].x(), -ends[0].y(), ends[1].x(), -ends[1].y());
   }
   return path;
 }
@@ -62,8 +64,8 @@ std::string drawn(const Shell& shell, const Box3& box, double width) {
   constexpr int k_layers = 4;
   const double height = box.center().z();
   const auto line = [&](const std::vector<Vec3>& positions, const char* color, double share) {
-    return "<path fill=\"none\" stroke=\"" + std::string(color) + "\" stroke-width=\"" + std::to_string(share * width) +
-           "\" d=\"" + cut(positions, shell.base.corner_vertices, height) + "\"/>\n";
+    return fmt::format("<path fill=\"none\" stroke=\"{}\" stroke-width=\"{:.4g}\" d=\"{}\"/>\n", color,
+                       share * width, cut(positions, shell.base.corner_vertices, height));
   };
   std::string svg;
   for (const auto* layer : {&*shell.exterior, &*shell.interior}) {
@@ -96,14 +98,15 @@ void draw(const std::string& model, double share, const std::string& output) {
   std::ofstream file(output);
   file << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"" << box.min().x() - border << ' '
        << -box.max().y() - border << ' ' << step * static_cast<double>(shells.size()) << ' '
-       << box.sizes().y() + 2 * border << "\">\n<rect x=\"-1e6\" y=\"-1e6\" width=\"2e6\" height=\"2e6\" fill=\"white\"/>\n";
+       << box.sizes().y() + 2 * border
+       << "\">\n<rect x=\"-1e6\" y=\"-1e6\" width=\"2e6\" height=\"2e6\" fill=\"white\"/>\n";
   for (std::size_t i = 0; i < shells.size(); ++i) {
     file << "<g transform=\"translate(" << step * static_cast<double>(i) << " 0)\">\n"
          << drawn(shells[i], box, 0.004 * size) << "</g>\n";
     const ShellThickness outside = reached_thickness(shells[i], *shells[i].exterior),
                          inside = reached_thickness(shells[i], *shells[i].interior);
-    std::cout << (shells[i].is_valid() ? "valid" : "not valid") << ", " << 100 * outside.mean << " % outside, "
-              << 100 * inside.mean << " % inside\n";
+    std::cout << (shells[i].is_valid() ? "valid" : "not valid") << ", " << 100 * outside.mean
+              << " % outside, " << 100 * inside.mean << " % inside\n";
   }
   file << "</svg>\n";
   if (!file.flush()) throw InputError::in_file(output, "can't be written");

@@ -12,8 +12,8 @@ using testing::HasSubstr;
 TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 500), out = folder / "shell.ply";
-  const nlohmann::json result = json_of(
-      run_recede({"shell", sphere, "-o", out, "--relative-thickness", "0.05", "--side", "envelope", "--json"}));
+  const nlohmann::json result = json_of(run_recede(
+      {"shell", sphere, "-o", out, "--relative-thickness", "0.05", "--side", "envelope", "--json"}));
   EXPECT_TRUE(result["is_valid"]);
   EXPECT_EQ(result["base_contacts"], 0);
   for (const char* side : {"exterior", "interior"}) {
@@ -25,8 +25,9 @@ TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
 }
 
 TEST(ShellCommand, SaysWhatIsWrongWithoutRepair) {
-  const nlohmann::json result = json_of(run_recede({"shell", "teapot", "--relative-thickness", "0.05", "--side",
-                                                    "interior", "--directors", "normals", "--no-repair", "--json"}));
+  const nlohmann::json result =
+      json_of(run_recede({"shell", "teapot", "--relative-thickness", "0.05", "--side", "interior",
+                          "--directors", "normals", "--no-repair", "--json"}));
   EXPECT_FALSE(result["is_valid"]);
   EXPECT_TRUE(result["exterior"].is_null());
   EXPECT_GT(result["interior"]["inverted"], 0);
@@ -44,9 +45,12 @@ TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
 
 TEST(ShellCommand, SaysWhatCantBe) {
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere"}), 2), HasSubstr("--thickness"));
-  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "-1"}), 2), HasSubstr("--thickness"));
-  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--relative-thickness", "3"}), 2), HasSubstr("diagonal"));
-  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--power", "2"}), 2), HasSubstr("p"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "-1"}), 2),
+              HasSubstr("--thickness"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--relative-thickness", "3"}), 2),
+              HasSubstr("diagonal"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--power", "2"}), 2),
+              HasSubstr("p"));
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "-o", "shell.doc"}), 1),
               HasSubstr("shell.doc"));
 }
