@@ -399,7 +399,7 @@ Billboard billboard_of_one(const BillboardFaces& faces, Index face, bool is_two_
   return billboard_facing(faces, members, extents.axis(extents.narrowest()), is_two_sided);
 }
 
-// One bar for all rounds of merging: how few clusters are left doesn't say how many rounds there will be.
+// One bar for the merging of all errors.
 class RoundProgress final : public Progress {
  public:
   RoundProgress(Progress* all, std::size_t n_faces) : all_(all), n_faces_(n_faces) {}
@@ -418,12 +418,6 @@ class RoundProgress final : public Progress {
   double fraction_ = 0;
 };
 
-// Whether another round is worth it.
-bool has_many_fewer(std::size_t n, std::size_t n_before) {
-  constexpr double k_many = 0.03;
-  return static_cast<double>(n) < (1 - k_many) * static_cast<double>(n_before);
-}
-
 struct FaceMerges {
   Agglomeration tree;
   std::vector<std::size_t> ends;  // how many merges there are up to each error
@@ -431,7 +425,7 @@ struct FaceMerges {
 };
 
 // Clusters that have grown have other neighbours than their faces had: at each error they are looked for
-// again, until hardly any of them merge.
+// again.
 FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
                        std::span<const double> errors, Progress* progress) {
   FaceMerger merger(faces, options);
@@ -443,18 +437,15 @@ FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& opti
   result.tree.n_items = faces.count();
   for (const double error : errors) {
     merger.allow(error * (1 - k_rounding) / faces.size);
-    for (std::size_t n_before = 0; n_before == 0 || has_many_fewer(clusters.size(), n_before);) {
-      n_before = clusters.size();
-      rounds.start_round(result.tree.merges.size());
-      const Agglomeration merges =
-          agglomerate(faces.count(), neighbours_of(merger, clusters, options.n_neighbours), merger,
-                      {.most_neighbours = options.n_neighbours}, &rounds);
-      for (const ClusterMerge& merge : merges.merges) {
-        result.tree.merges.push_back(merge);
-        is_absorbed[merge.absorbed] = 1;
-      }
-      std::erase_if(clusters, [&](Index cluster) { return is_absorbed[cluster] != 0; });
+    rounds.start_round(result.tree.merges.size());
+    const Agglomeration merges =
+        agglomerate(faces.count(), neighbours_of(merger, clusters, options.n_neighbours), merger,
+                    {.most_neighbours = options.n_neighbours}, &rounds);
+    for (const ClusterMerge& merge : merges.merges) {
+      result.tree.merges.push_back(merge);
+      is_absorbed[merge.absorbed] = 1;
     }
+    std::erase_if(clusters, [&](Index cluster) { return is_absorbed[cluster] != 0; });
     result.ends.push_back(result.tree.merges.size());
   }
   result.normals = merger.normals_of_merges();
