@@ -424,8 +424,8 @@ struct FaceMerges {
   std::vector<Vec3> normals;      // of the clusters that merges make
 };
 
-// Clusters that have grown have other neighbours than their faces had: at each error they are looked for
-// again.
+// Clusters that have grown have other neighbours than their faces had, so they are looked for again: at each
+// error, and at the first one a second time.
 FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& options,
                        std::span<const double> errors, Progress* progress) {
   FaceMerger merger(faces, options);
@@ -435,8 +435,7 @@ FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& opti
   RoundProgress rounds(progress, faces.count());
   FaceMerges result;
   result.tree.n_items = faces.count();
-  for (const double error : errors) {
-    merger.allow(error * (1 - k_rounding) / faces.size);
+  const auto merge_neighbours = [&] {
     rounds.start_round(result.tree.merges.size());
     const Agglomeration merges =
         agglomerate(faces.count(), neighbours_of(merger, clusters, options.n_neighbours), merger,
@@ -446,6 +445,11 @@ FaceMerges merge_faces(const BillboardFaces& faces, const BillboardOptions& opti
       is_absorbed[merge.absorbed] = 1;
     }
     std::erase_if(clusters, [&](Index cluster) { return is_absorbed[cluster] != 0; });
+  };
+  for (const double error : errors) {
+    merger.allow(error * (1 - k_rounding) / faces.size);
+    merge_neighbours();
+    if (result.ends.empty()) merge_neighbours();
     result.ends.push_back(result.tree.merges.size());
   }
   result.normals = merger.normals_of_merges();
