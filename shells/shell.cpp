@@ -136,6 +136,9 @@ std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<con
       base.positions.size() != shell.base.positions.size())
     throw InputError("a shell's surface keeps its triangles when it is deformed");
   check(options, base.positions.size(), bounding_box(base).diagonal().norm());
+  if ((options.side != ShellSide::interior) != shell.exterior.has_value() ||
+      (options.side != ShellSide::exterior) != shell.interior.has_value())
+    throw OptionError("a shell is updated on the sides that it has");
   const double thickest = *std::max_element(shell.thicknesses.begin(), shell.thicknesses.end());
   const double reach = (options.field.form == LpForm::calibrated ? 3.5 : 4) * thickest;
   const std::vector<Index> vertices = vertices_near_changes(shell.base, base, changed_vertices, reach);

@@ -16,7 +16,8 @@ namespace {
 // The field begins on the surface with no direction: the first step goes along the normal.
 constexpr double k_first_step = 0.02;  // of the thickness
 constexpr int k_most_halvings = 12;
-constexpr double k_stuck = 1e-4;  // of a field as fast as that of a plane
+constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 60
+constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -67,7 +68,7 @@ class DirectorTracer {
     Vec3 at = start + time * normal;
     Flow flow = field_.at(at);
     ++evaluations;
-    while (time < thickness && flow.velocity.norm() > k_stuck) {
+    while (time < thickness && flow.velocity.norm() > k_stuck && evaluations < k_most_evaluations) {
       const double longest = options_.step * thickness / std::max(1.0, flow.velocity.norm());
       double step = std::min(longest, thickness - time);
       std::optional<Flow> next;

@@ -362,6 +362,7 @@ TEST(Shell, RefusesWhatHasNoMeaning) {
   Shell shell = build_shell(surface, repaired(0.1));
   EXPECT_THROW(update_shell(shell, ball(4), std::array<Index, 1>{0}, repaired(0.1)), InputError);
   EXPECT_THROW(update_shell(shell, surface, std::array<Index, 1>{100000}, repaired(0.1)), InputError);
+  EXPECT_THROW(update_shell(shell, surface, {}, repaired(0.1, ShellSide::interior)), OptionError);
 }
 
 }  // namespace
