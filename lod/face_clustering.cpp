@@ -462,10 +462,11 @@ std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
                                                   const BillboardOptions& options,
                                                   std::span<const double> errors, Progress* progress) {
   const BillboardFaces faces = in_order_of_space(model);
-  const auto [tree, ends, normals] = merge_faces(faces, options, errors, progress);
+  const FaceMerges merged = merge_faces(faces, options, errors, progress);
+  const Agglomeration& tree = merged.tree;
   std::vector<std::vector<Billboard>> result;
   for (std::size_t level = 0; level < errors.size(); ++level) {
-    const std::size_t n_merges = ends[level];
+    const std::size_t n_merges = merged.ends[level];
     const std::vector<Index> cluster_of = clusters_after(tree, n_merges);
     // A cluster is kept under the number of its first face.
     std::vector<std::size_t> last_merge(faces.count(), tree.merges.size());
@@ -481,7 +482,7 @@ std::vector<std::vector<Billboard>> cluster_faces(const BillboardFaces& model,
       billboards[i] =
           members[i].size() == 1
               ? billboard_of_one(faces, first, options.is_two_sided, errors[level])
-              : billboard_facing(faces, members[i], normals[last_merge[first]], options.is_two_sided);
+              : billboard_facing(faces, members[i], merged.normals[last_merge[first]], options.is_two_sided);
     });
   }
   return result;
