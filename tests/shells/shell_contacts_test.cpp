@@ -138,7 +138,7 @@ TEST(ShellContacts, OfRandomSimplicesWithoutCommonCornersAreThoseOfBruteForce) {
     const unsigned width = i % 3 == 0 ? 2 : i % 3 == 1 ? 3 : 7;
     std::vector<Vec3> points;
     for (int k = 0; k < 8; ++k)
-      points.emplace_back(random() % width, random() % width, random() % (i % 2 + 2));
+      points.emplace_back(random() % width, random() % width, random() % (i % 2 == 0 ? 2u : 3u));
     const int first = 3 + i % 5 % 2, second = 3 + i % 7 % 2;
     if (i % 4 == 0) {  // all on one line
       const Vec3 a = points[0], step = points[1];
