@@ -19,7 +19,6 @@ using namespace recede;
 BillboardCloud make_cloud(const PolygonSoup& tree, double share) {
   BillboardOptions options;
   options.errors = {share * bounding_box(tree).sizes().maxCoeff()};
-  options.largest_waste = 5;
   options.is_two_sided = true;
   return build_billboard_clouds(tree, options).front();
 }
@@ -51,8 +50,8 @@ void relight(const std::string& path, std::size_t leaves, double share, int samp
   const BillboardCloud cloud = make_cloud(tree, share);
   const auto textures = std::make_shared<const BillboardTextures>(texture_billboards(tree, cloud));
   const auto start = std::chrono::steady_clock::now();
-  const auto reflectance =
-      std::make_shared<const BillboardReflectance>(make_billboard_reflectance(tree, cloud, *textures));
+  const auto reflectance = std::make_shared<const BillboardReflectance>(
+      make_billboard_reflectance(tree, cloud, *textures, {.shaded = 16}));
   std::cout << textures->billboards.size() << " billboards, " << reflectance->vector_count()
             << " sides of texels: " << raw_bytes(*reflectance) << " bytes in " << bytes(*reflectance)
             << ", off by " << 100 * reflectance->error.rms << " % of the range, after "
