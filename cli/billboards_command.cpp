@@ -170,12 +170,8 @@ struct Made {
   std::vector<std::string> files;
 };
 
-// All that may fail for reasons of the model comes before anything is written.
-void write_folder(Made& made, const BillboardsOptions& options, Progress* progress) {
-  std::vector<BillboardReflectance> reflectances;
-  for (std::size_t i = 0; options.reflectance && i < made.clouds.size(); ++i)
-    reflectances.push_back(make_billboard_reflectance(made.model, made.clouds[i],
-                                                      *made.hierarchy->levels[i].billboards, {}, progress));
+void write_folder(Made& made, const BillboardsOptions& options,
+                  const std::vector<BillboardReflectance>& reflectances) {
   made.hierarchy_files = write_hierarchy(options.folder, *made.hierarchy);
   write_mipmaps(*made.hierarchy, made.hierarchy_files, options.mipmaps);
   for (std::size_t i = 0; i < reflectances.size(); ++i) {
@@ -202,11 +198,16 @@ Made make(BillboardsOptions& options, Progress* progress) {
     made.clouds = build_billboard_clouds(made.model, options.clouds, progress);
     if (!options.folder.empty()) made.hierarchy = textured(made.model, made.clouds, options, progress);
   }
+  // All that may fail for reasons of the model comes before anything is written.
+  std::vector<BillboardReflectance> reflectances;
+  for (std::size_t i = 0; options.reflectance && i < made.clouds.size(); ++i)
+    reflectances.push_back(make_billboard_reflectance(made.model, made.clouds[i],
+                                                      *made.hierarchy->levels[i].billboards, {}, progress));
   for (std::size_t i = 0; i < made.clouds.size() && !options.output.empty(); ++i) {
     made.files.push_back(numbered(options.output, i, made.clouds.size()));
     write_soup(made.files.back(), quads_of(made.clouds[i]));
   }
-  if (!options.folder.empty()) write_folder(made, options, progress);
+  if (!options.folder.empty()) write_folder(made, options, reflectances);
   return made;
 }
 

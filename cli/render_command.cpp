@@ -182,8 +182,9 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->check(CLI::Range(1, 65536))
       ->group(drawing);
   command.add_flag("--wireframe", options.wireframe, "lines along the sides of polygons")->group(drawing);
-  command.add_flag("--no-maps", options.no_maps, "bare levels, without their displacement and normal maps")
-      ->group(drawing);
+  CLI::Option* no_maps = command.add_flag("--no-maps", options.no_maps,
+                                          "bare levels, without their displacement and normal maps");
+  no_maps->group(drawing);
   command
       .add_option(
           "--displacement", options.displacement,
@@ -216,6 +217,7 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
   command
       .add_flag("--reflectance", options.reflectance,
                 "draws billboards by what recede billboards --reflectance wrote for them")
+      ->excludes(no_maps)
       ->group(drawing);
   command
       .add_option("--transition-distance", options.transition_distance,

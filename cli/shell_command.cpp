@@ -143,7 +143,13 @@ void add_shell_command(CLI::App& app) {
                                           {"exact", DirectorMethod::exact_distance},
                                           {"normals", DirectorMethod::normals}}));
   command->add_option("--power", shell.field.p,
-                      "of the averaged distance, above 2 (3); others take much longer");
+                      "of the averaged distance, above 2 (3), averaged above 1; others take much longer");
+  command
+      ->add_option(
+          "--form", shell.field.form,
+          "of the averaged distance: calibrated (default), over a plane the distance; averaged, a mean "
+          "of distances, along which directors get longer than asked for on flat parts")
+      ->transform(one_of<LpForm>({{"calibrated", LpForm::calibrated}, {"averaged", LpForm::averaged}}));
   command
       ->add_option("--step", shell.step,
                    "of directors: a share of the thickness, and the angle in radians that they turn by (0.1)")

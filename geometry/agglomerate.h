@@ -9,6 +9,7 @@
 #include <concepts>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -59,6 +60,9 @@ struct AgglomerationOptions {
   /// have it among theirs.
   std::size_t most_neighbours = std::numeric_limits<std::size_t>::max();
 };
+
+/// The stage of progress in which clusters merge: the share of items that did. Costs come before it.
+inline constexpr std::string_view k_merging_clusters = "merging clusters";
 
 enum class AgglomerationStop { cluster_target, cost_limit, no_merge_left };
 
@@ -125,7 +129,7 @@ class Agglomerator {
     offer_all(progress);
     while (result_.n_clusters() > options_.clusters) {
       if (result_.merges.size() % 4096 == 0) {
-        report_progress(progress, "merging clusters",
+        report_progress(progress, k_merging_clusters,
                         static_cast<double>(result_.merges.size()) / static_cast<double>(result_.n_items));
       }
       Candidate cheapest;

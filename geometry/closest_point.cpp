@@ -178,26 +178,17 @@ ClosestPointTree::Hit ClosestPointTree::closest(const Vec3& p, Index hint) const
 std::vector<ClosestPointTree::Hit> ClosestPointTree::closest_within(const Vec3& p, double distance) const {
   const double limit = distance * distance;
   std::vector<Hit> hits;
-  Index stack[64];
-  int top = 0;
-  stack[top++] = 0;
-  while (top > 0) {
-    const Index next = stack[--top];
-    if ((next & k_leaf_bit) != 0) {
-      const Index first = next & k_leaf_first_mask, count = (next & ~k_leaf_bit) >> k_leaf_count_shift;
-      for (Index i = first; i < first + count; ++i) {
-        const Vec3 point = closest_point_on_triangle(p, triangles_[i]);
+  // The search leaves out what isn't nearer than this, and never finds anything better.
+  Hit nothing;
+  nothing.squared_distance = std::nextafter(limit, std::numeric_limits<double>::infinity());
+  descend(
+      p, nothing, [](Index) { return true; },
+      [&](Index place) {
+        const Vec3 point = closest_point_on_triangle(p, triangles_[place]);
         const double squared = (point - p).squaredNorm();
-        if (squared <= limit) hits.push_back({squared, number_[i], point});
-      }
-      continue;
-    }
-    const Node& node = nodes_[next];
-    for (const int side : {1, 0}) {
-      if (squared_distance_to_box(p, node.lower[side], node.upper[side]) <= limit)
-        stack[top++] = node.child[side];
-    }
-  }
+        if (squared <= limit) hits.push_back({squared, number_[place], point});
+        return false;
+      });
   return hits;
 }
 

@@ -36,8 +36,7 @@ class ClosestPointTree {
   /// among equally near triangles the result may depend on it, the distance never does.
   Hit closest(const Vec3& p, Index hint = k_no_index) const;
 
-  /// The nearest point of every triangle that is at most `distance` away, in an order that depends on the
-  /// tree alone.
+  /// The nearest point of every triangle that is at most `distance` away, in the same order on every call.
   std::vector<Hit> closest_within(const Vec3& p, double distance) const;
 
   /// Gives every triangle a label, in the order of the list given to the constructor.

@@ -406,7 +406,7 @@ class RoundProgress final : public Progress {
 
   void start_round(std::size_t n_merged) { before_ = n_merged; }
   void update(std::string_view stage, double fraction) override {
-    const double merged = stage == "merging clusters" ? fraction : 0;
+    const double merged = stage == k_merging_clusters ? fraction : 0;
     fraction_ = std::max(fraction_, merged + static_cast<double>(before_) / static_cast<double>(n_faces_));
     if (all_ != nullptr) all_->update("merging faces", std::min(1.0, fraction_));
   }

@@ -19,13 +19,20 @@ struct BuiltLayer {
   const ShellLayer* layer;
 };
 
+void read_form(const py::dict& from, LpForm& form) {
+  read_choice<LpForm>(from, "form", {{"calibrated", LpForm::calibrated}, {"averaged", LpForm::averaged}},
+                      form);
+}
+
 LpDistanceOptions read_field(const py::dict& from) {
   LpDistanceOptions options;
   read(from, "p", options.p);
-  read_choice<LpForm>(from, "form", {{"calibrated", LpForm::calibrated}, {"averaged", LpForm::averaged}},
-                      options.form);
+  read_form(from, options.form);
   read_choice<LpSource>(from, "source", {{"triangles", LpSource::triangles}, {"points", LpSource::points}},
                         options.source);
+  read_choice<LpExpansion>(from, "expansion",
+                           {{"monopole", LpExpansion::monopole}, {"quadrupole", LpExpansion::quadrupole}},
+                           options.expansion);
   read(from, "opening", options.opening);
   read(from, "error", options.error);
   read(from, "support", options.support);
@@ -47,6 +54,7 @@ BuiltShell make_shell(const Mesh& mesh, const py::dict& from, py::object progres
                                {"normals", DirectorMethod::normals}},
                               options.method);
   read(from, "power", options.field.p);
+  read_form(from, options.field.form);
   read(from, "step", options.step);
   read(from, "border_extension", options.border_extension);
   read(from, "repair", options.repair);

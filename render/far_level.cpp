@@ -183,9 +183,7 @@ class FarLevels {
     const PolygonMesh mesh =
         simplified_to_bytes(hierarchy_.levels[level_above(texture_bytes)].mesh, texture_bytes, progress_);
     const std::size_t bytes = mesh_bytes(mesh);
-    constexpr std::size_t k_samples = 20'000;
-    if (bytes <= texture_bytes && mesh.n_faces() > 0 &&
-        measure_distance(model_, to_soup(mesh), {.samples = k_samples}, progress_).max <= trial.error / 2) {
+    if (bytes <= texture_bytes && mesh.n_faces() > 0 && bound_of(mesh) <= trial.error / 2) {
       take_triangles(trial, mesh, bytes);
       return true;
     }
@@ -194,6 +192,11 @@ class FarLevels {
       return true;
     }
     return false;
+  }
+
+  double bound_of(const PolygonMesh& mesh) const {
+    const DistanceOptions measure{.samples = 20'000, .bound_tolerance = 0.1};
+    return measure_distance(model_, to_soup(mesh), measure, progress_).max_bound.value();
   }
 
   static void take_triangles(FarLevelTrial& trial, const PolygonMesh& mesh, std::size_t bytes) {

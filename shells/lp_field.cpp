@@ -160,8 +160,8 @@ LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
 LpValue LpField::at(const Vec3& point) const {
   if (!point.allFinite()) throw InputError("an averaged distance was asked for a point that isn't finite");
   const Vec3 x = frame_.inside(point);
-  constexpr double k_farthest =
-      1e50;  // the surface has a size of about 1 here; cubes neither overflow nor vanish
+  // The surface has a size of about 1 here: cubes neither overflow nor vanish.
+  constexpr double k_farthest = 1e50;
   if (!(x.cwiseAbs().maxCoeff() < k_farthest))
     throw InputError("a point is too far away from the surface for an averaged distance");
   const bool is_exact = options_.source == LpSource::triangles;

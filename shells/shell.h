@@ -57,10 +57,11 @@ struct Shell {
   PolygonSoup base{};
   std::vector<double> thicknesses{};  ///< that were asked for, of each vertex
   std::optional<ShellLayer> exterior{}, interior{};
-  /// Of an envelope: triangles of both layers' tops that meet.
+  /// Of an envelope: triangles of both layers' tops that meet. Of open surfaces, walls of one layer aren't
+  /// compared with the other layer.
   ShellValidity::Pairs layers_meet{};
 
-  bool is_valid() const;
+  bool is_valid() const;  ///< each layer is, and nothing was found between the two
 };
 
 /// Builds the layers over a surface. Polygons become triangles (`triangulate`); vertices are those of the

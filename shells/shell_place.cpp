@@ -1,3 +1,4 @@
+#include <recede/shells/detail/prism.h>
 #include <recede/shells/shell.h>
 
 #include <algorithm>
@@ -7,17 +8,17 @@ namespace recede {
 
 namespace {
 
-// The corners of a prism.
-struct Prism {
-  std::array<Vec3, 3> bottom, top;
+using detail::Prism;
 
-  Vec3 corner(std::size_t k, double height) const { return (1 - height) * bottom[k] + height * top[k]; }
-  Vec3 point(const Vec3& weights, double height) const {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t k = 0; k < 3; ++k) sum += weights[static_cast<Eigen::Index>(k)] * corner(k, height);
-    return sum;
-  }
-};
+Vec3 corner(const Prism& prism, std::size_t k, double height) {
+  return (1 - height) * prism.bottom[k] + height * prism.top[k];
+}
+
+Vec3 point_in(const Prism& prism, const Vec3& weights, double height) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) sum += weights[static_cast<Eigen::Index>(k)] * corner(prism, k, height);
+  return sum;
+}
 
 Prism prism_of(const Shell& shell, const ShellLayer& layer, Index triangle) {
   Prism prism;
@@ -32,7 +33,7 @@ Prism prism_of(const Shell& shell, const ShellLayer& layer, Index triangle) {
 }  // namespace
 
 Vec3 shell_point(const Shell& shell, const ShellLayer& layer, const ShellPlace& place) {
-  return prism_of(shell, layer, place.triangle).point(place.weights, place.height);
+  return point_in(prism_of(shell, layer, place.triangle), place.weights, place.height);
 }
 
 std::optional<ShellPlace> place_in_prism(const Shell& shell, const ShellLayer& layer, Index triangle,
@@ -45,20 +46,20 @@ std::optional<ShellPlace> place_in_prism(const Shell& shell, const ShellLayer& l
   Vec3 weights = Vec3::Constant(1.0 / 3);
   double height = 0.5;
   for (int step = 0; step < k_most_steps; ++step) {
-    const Vec3 off = point - prism.point(weights, height);
+    const Vec3 off = point - point_in(prism, weights, height);
     if (off.norm() <= k_close * size) break;
     Vec3 up = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k)
       up += weights[static_cast<Eigen::Index>(k)] * (prism.top[k] - prism.bottom[k]);
     Eigen::Matrix3d jacobian;
-    jacobian << prism.corner(1, height) - prism.corner(0, height),
-        prism.corner(2, height) - prism.corner(0, height), up;
+    jacobian << corner(prism, 1, height) - corner(prism, 0, height),
+        corner(prism, 2, height) - corner(prism, 0, height), up;
     const Vec3 move = jacobian.partialPivLu().solve(off);
     if (!move.allFinite()) return {};
     weights += Vec3(-move.x() - move.y(), move.x(), move.y());
     height += move.z();
   }
-  if (!((point - prism.point(weights, height)).norm() <= 1e3 * k_close * size)) return {};
+  if (!((point - point_in(prism, weights, height)).norm() <= 1e3 * k_close * size)) return {};
   if (weights.minCoeff() < -k_outside || height < -k_outside || height > 1 + k_outside) return {};
   return ShellPlace{triangle, weights, height};
 }

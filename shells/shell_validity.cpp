@@ -1,6 +1,6 @@
 #include <recede/geometry/error.h>
+#include <recede/shells/detail/layer_boundary.h>
 #include <recede/shells/detail/prism.h>
-#include <recede/shells/detail/shell_layer.h>
 #include <recede/shells/shell_validity.h>
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace recede {
 namespace {
 
 using detail::BoxTree;
-using detail::ShellLayer;
+using detail::LayerBoundary;
 
 void check_input(std::span<const Vec3> bottom, std::span<const Vec3> top, std::span<const Index> triangles,
                  const ShellCheckOptions& options) {
@@ -47,7 +47,7 @@ void check_input(std::span<const Vec3> bottom, std::span<const Vec3> top, std::s
 /// Which triangles are to be looked at.
 class Selection {
  public:
-  Selection(const ShellLayer& layer, const ShellCheckOptions& options) {
+  Selection(const LayerBoundary& layer, const ShellCheckOptions& options) {
     if (!options.changed_vertices) return;
     is_everything_ = false;
     std::vector<char> is_changed(layer.n_vertices(), 0);
@@ -70,7 +70,7 @@ class Selection {
   std::vector<char> triangles_, pieces_;
 };
 
-std::vector<Index> find_inverted(const ShellLayer& layer, const Selection& selection, bool is_inward) {
+std::vector<Index> find_inverted(const LayerBoundary& layer, const Selection& selection, bool is_inward) {
   std::vector<char> is_inverted(layer.n_triangles(), 0);
   tbb::parallel_for(tbb::blocked_range<Index>(0, layer.n_triangles()), [&](const auto& range) {
     for (Index t = range.begin(); t < range.end(); ++t) {
@@ -92,7 +92,7 @@ std::vector<Index> find_inverted(const ShellLayer& layer, const Selection& selec
 }
 
 /// Adds a contact of two parts to the list that it belongs to.
-void add_contact(const ShellLayer& layer, Index a, Index b, ShellValidity& found) {
+void add_contact(const LayerBoundary& layer, Index a, Index b, ShellValidity& found) {
   if (a > b) std::swap(a, b);
   const Index n = layer.n_triangles();
   if (layer.is_wall(b)) {
@@ -120,7 +120,7 @@ void move_sorted(List& from, List& to) {
 /// Tests pairs of parts in parallel and collects the contacts.
 class ContactSearch {
  public:
-  ContactSearch(const ShellLayer& layer, Progress* progress) : layer_(layer), progress_(progress) {}
+  ContactSearch(const LayerBoundary& layer, Progress* progress) : layer_(layer), progress_(progress) {}
 
   /// All pairs in the tree.
   void among(const BoxTree& tree) {
@@ -183,7 +183,7 @@ class ContactSearch {
     if (has_contact(layer_.points, layer_.simplex(a), layer_.simplex(b))) add_contact(layer_, a, b, found);
   }
 
-  const ShellLayer& layer_;
+  const LayerBoundary& layer_;
   Progress* progress_;
   tbb::enumerable_thread_specific<ShellValidity> found_;
 };
@@ -208,7 +208,7 @@ ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> to
                           Progress* progress) {
   check_input(bottom, top, triangles, options);
   report_progress(progress, "check prisms", 0);
-  ShellLayer layer;
+  LayerBoundary layer;
   layer.points.assign(bottom.begin(), bottom.end());
   layer.points.insert(layer.points.end(), top.begin(), top.end());
   layer.triangles = triangles;

@@ -59,18 +59,22 @@ from ._recede import (
     TrimmingCurve,
 )
 from . import _recede
+from .billboards import (build_billboards, make_billboard_reflectance, read_billboard_reflectance,
+                         write_billboards)
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
+from .shells import averaged_distance, build_shell
 
 __all__ = [
-    "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud", "BillboardReflectance", "CadInstance", "CadModel", "CadPart",
-    "Cancelled", "DicedView", "DirectionalLight", "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph",
-    "ImageDifference", "InputError", "Level", "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance",
-    "OptionError", "PointLight", "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer",
-    "SimplifyResult", "Subdivision", "TrimmedPatch", "TrimmingCurve", "averaged_distance", "bake", "bake_maps", "build_billboards", "build_progressive",
-    "build_shell",
-    "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas", "make_billboard_reflectance", "make_displaced_sphere",
-    "make_teapot", "make_tree", "read", "read_appearance", "read_billboard_reflectance", "read_cad", "read_image", "render", "set_threads",
-    "simplify", "simplify_levels", "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
+    "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud",
+    "BillboardReflectance", "CadInstance", "CadModel", "CadPart", "Cancelled", "DicedView", "DirectionalLight",
+    "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level",
+    "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "PointLight",
+    "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer", "SimplifyResult",
+    "Subdivision", "TrimmedPatch", "TrimmingCurve", "averaged_distance", "bake", "bake_maps", "build_billboards",
+    "build_progressive", "build_shell", "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas",
+    "make_billboard_reflectance", "make_displaced_sphere", "make_teapot", "make_tree", "read", "read_appearance",
+    "read_billboard_reflectance", "read_cad", "read_image", "render", "set_threads", "simplify", "simplify_levels",
+    "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
 ]
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -283,109 +287,6 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
               **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
     return _recede.bake(mesh, folder, name, levels, settings, feature_angle, progress)
-
-
-def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
-                     relative_errors: Sequence[float] | None = None, method: str = "clusters",
-                     normal_deviation: float = 60, waste: float = 4, two_sided: bool = False, neighbours: int = 50,
-                     textures: bool = True, texels_per_error: float = 1, samples: int = 4, overlap: int = 2,
-                     gutter: int = 1, budget: int | None = None,
-                     progress: Progress | None = None) -> list[BillboardCloud]:
-    """Rectangles that stand for a mesh, or loose polygons, from far away: a cloud for each error, finest first.
-
-    `errors` rise, and are in units of the mesh; `relative_errors` are shares of the diagonal; without both there are
-    clouds for 0.5, 1, 2 and 4 % of the longest side. No point of a face is farther from the plane of its rectangle.
-    `method`: "clusters" (little texture, rectangles that face as their faces do), "planes" (few of them) or
-    "simplification". Clusters have normals within `normal_deviation` (degrees) and an area of at most `waste` times
-    that of their faces; faces merge with those among their `neighbours`. `two_sided`: faces count from both sides.
-
-    Textures (colour with opacity, normals, heights) have texels of the error over `texels_per_error`, and `samples`
-    rays along each side of them. `overlap` texels beside its own faces a rectangle shows those of others; `gutter`
-    texels are between rectangles. `budget`: instead of errors, the one cloud of least error whose textures take at
-    most as many bytes. Raises `OptionError` when none fits.
-    """
-    settings = {"errors": list(errors or []), "relative_errors": list(relative_errors or []), "method": method,
-                "normal_deviation": normal_deviation, "waste": waste, "two_sided": two_sided,
-                "neighbours": neighbours, "texels_per_error": texels_per_error, "samples": samples,
-                "overlap": overlap, "gutter": gutter, "budget": budget}
-    return _recede.build_billboards(mesh, settings, textures, progress)
-
-
-def write_billboards(folder: Path, mesh: Mesh, clouds: Sequence[BillboardCloud], *, name: str = "model",
-                     image_height: float = 1080, field_of_view: float = 45, pixel_error: float = 1,
-                     progress: Progress | None = None) -> os.PathLike[str]:
-    """Writes clouds with textures as levels, finest first: `<name>.glb` and `<name>.recede/` in `folder`.
-
-    Returns the path of the GLB. `mesh` is what they were made of. The view (`field_of_view` vertical, degrees) says
-    from which distances on they serve.
-    """
-    view = {"image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error}
-    return _recede.write_billboards(folder, mesh, list(clouds), name, view, progress)
-
-
-def make_billboard_reflectance(mesh: Mesh, cloud: BillboardCloud, *, view_side: int = 7, light_side: int = 7,
-                               samples: int = 4, shaded: int = 8, bounces: int = 1, largest_share: float = 0.01,
-                               memory: float = 2e9, progress: Progress | None = None) -> BillboardReflectance:
-    """What each texel of a cloud with textures sends of each light to each viewer, with shadows: for `render`.
-
-    `mesh` is what the cloud was made of. There are `view_side` x `view_side` views over each side of a rectangle, and twice
-    `light_side` x `light_side` lights around it. In each view `samples` rays along each side of a texel say what share of it
-    is covered; `shaded` of them at most look for lights, and light goes from face to face `bounces` times. The result takes
-    at most `largest_share` of the values as halves; while it is made, values take `memory` bytes. Takes up to minutes.
-
-    Raises `OptionError` for what is out of range and for clouds without textures, `InputError` for another mesh's cloud.
-    """
-    settings = {"view_side": view_side, "light_side": light_side, "samples": samples, "shaded": shaded, "bounces": bounces,
-                "largest_share": largest_share, "memory": memory}
-    return _recede.make_billboard_reflectance(mesh, cloud, settings, progress)
-
-
-def read_billboard_reflectance(path: Path) -> BillboardReflectance:
-    """What `BillboardReflectance.write` or `recede billboards --reflectance` wrote. Raises `InputError` for anything else."""
-    return _recede.read_billboard_reflectance(path)
-
-
-def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
-                thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
-                power: float = 3, step: float = 0.1, border_extension: float = 2.5, repair: bool = True,
-                progress: Progress | None = None) -> Shell:
-    """A layer of space over a surface, proved to be valid, or what is wrong with it.
-
-    `thickness` is in units of the mesh, `relative_thickness` a share of the diagonal, `thicknesses` one of each vertex.
-    `side` is "exterior", "interior" or "envelope", which is both. `directors` lead along the gradient of an averaged
-    distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
-    `power` is that of the averaged distance, above 2; `step` the longest step as a share of the thickness, and the largest
-    turn in radians; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
-    `repair` directors are shortened until the layer is valid. See docs/shells.md.
-
-    Raises `OptionError` for what is out of range, `InputError` for a mesh without area.
-    """
-    given = [value is not None for value in (thickness, relative_thickness, thicknesses)]
-    if sum(given) != 1:
-        raise OptionError("a shell needs one of thickness, relative_thickness and thicknesses")
-    if relative_thickness is not None:
-        points = np.asarray(mesh.positions)
-        thickness = relative_thickness * float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
-    settings = {"thickness": thickness or 0.0, "thicknesses": [] if thicknesses is None else [float(t) for t in thicknesses],
-                "side": side, "directors": directors, "power": power, "step": step, "border_extension": border_extension,
-                "repair": repair}
-    return _recede.build_shell(mesh, settings, progress)
-
-
-def averaged_distance(mesh: Mesh, points: npt.ArrayLike, *, p: float = 3, form: str = "calibrated",
-                      source: str = "triangles", opening: float = 0.75, error: float | None = None,
-                      support: float = float("inf"), progress: Progress | None = None) -> AveragedDistance:
-    """The Lp-averaged distance of a surface at points (n x 3), and its gradient: smooth away from the surface.
-
-    `form` is "calibrated" (over a plane it is the distance; `p` above 2) or "averaged" (a mean over the whole surface).
-    `source` integrates "triangles" exactly or sums over "points", the vertices. Far parts count as points with their
-    second moments where they are farther than `opening` times their size; or so that the integral is off by at most `error`,
-    a share of it. The surface counts fully up to `support` from a point, and from 5/4 of that not at all.
-
-    Raises `OptionError` for what is out of range, `InputError` for a mesh without area and points that aren't finite.
-    """
-    settings = {"p": p, "form": form, "source": source, "opening": opening, "error": error, "support": support}
-    return _recede.averaged_distance(mesh, points, settings, progress)
 
 
 class ProgressiveMesh:

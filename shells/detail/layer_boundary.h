@@ -1,4 +1,4 @@
-// A layer as a list of triangles and tetrahedra: its boundary.
+// The boundary of a layer as a list of triangles and tetrahedra.
 #pragma once
 
 #include <recede/shells/detail/box_tree.h>
@@ -12,7 +12,7 @@ namespace recede::detail {
 
 /// The parts of the boundary have numbers: the bottom triangles first, then the top ones, then the hulls of
 /// the walls.
-struct ShellLayer {
+struct LayerBoundary {
   std::vector<Vec3> points;  ///< the bottom positions, then the top ones
   std::span<const Index> triangles;
   ShellPieces pieces;
@@ -33,9 +33,9 @@ struct ShellLayer {
   Simplex simplex(Index part) const;
 };
 
-std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer);
+std::vector<BoxTree::Box> boxes_of_parts(const LayerBoundary& layer);
 
 /// See `ShellValidity`. `tree` is that of the layer's parts.
-std::vector<std::pair<Index, Index>> find_nested_pieces(const ShellLayer& layer, const BoxTree& tree);
+std::vector<std::pair<Index, Index>> find_nested_pieces(const LayerBoundary& layer, const BoxTree& tree);
 
 }  // namespace recede::detail

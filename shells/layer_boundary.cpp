@@ -1,6 +1,6 @@
 #include <recede/geometry/detail/plane_predicates.h>
 #include <recede/geometry/detail/space_predicates.h>
-#include <recede/shells/detail/shell_layer.h>
+#include <recede/shells/detail/layer_boundary.h>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -33,7 +33,7 @@ int crossing(const Vec3& origin, const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// How the ray crosses the part, as a boundary with its front outward: two triangles stand for a wall.
-int crossing(const ShellLayer& layer, Index part, const Vec3& origin) {
+int crossing(const LayerBoundary& layer, Index part, const Vec3& origin) {
   const auto corners = layer.simplex(part).corners;
   const auto point = [&](std::size_t k) -> const Vec3& { return layer.points[corners[k]]; };
   if (layer.is_wall(part)) {
@@ -44,7 +44,7 @@ int crossing(const ShellLayer& layer, Index part, const Vec3& origin) {
 }
 
 /// For each piece a vertex that no other piece has, or `k_no_index`.
-std::vector<Index> own_vertices(const ShellLayer& layer) {
+std::vector<Index> own_vertices(const LayerBoundary& layer) {
   constexpr Index k_several = k_no_index - 1;
   std::vector<Index> piece_of_vertex(layer.n_vertices(), k_no_index);
   for (std::size_t c = 0; c < layer.triangles.size(); ++c) {
@@ -63,7 +63,7 @@ using Pairs = std::vector<std::pair<Index, Index>>;
 using Crossings = std::vector<std::pair<Index, int>>;  // of pieces
 
 /// Adds the other pieces in whose layer a point of `piece` lies.
-void add_layers_around(const ShellLayer& layer, const BoxTree& tree, Index piece, const Vec3& point,
+void add_layers_around(const LayerBoundary& layer, const BoxTree& tree, Index piece, const Vec3& point,
                        Crossings& crossings, Pairs& nested) {
   const auto& pieces = layer.pieces;
   crossings.clear();
@@ -84,7 +84,7 @@ void add_layers_around(const ShellLayer& layer, const BoxTree& tree, Index piece
 
 }  // namespace
 
-Simplex ShellLayer::simplex(Index part) const {
+Simplex LayerBoundary::simplex(Index part) const {
   if (!is_wall(part)) {
     const Index first = 3 * triangle(part), shift = part < n_triangles() ? 0 : n_vertices();
     return {{triangles[first] + shift, triangles[first + 1] + shift, triangles[first + 2] + shift}, 3};
@@ -94,7 +94,7 @@ Simplex ShellLayer::simplex(Index part) const {
   return {{a, b, a + n_vertices(), b + n_vertices()}, 4};
 }
 
-std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer) {
+std::vector<BoxTree::Box> boxes_of_parts(const LayerBoundary& layer) {
   std::vector<BoxTree::Box> boxes(layer.n_parts());
   for (std::size_t part = 0; part < boxes.size(); ++part) {
     const Simplex simplex = layer.simplex(static_cast<Index>(part));
@@ -108,7 +108,7 @@ std::vector<BoxTree::Box> boxes_of_parts(const ShellLayer& layer) {
   return boxes;
 }
 
-std::vector<std::pair<Index, Index>> find_nested_pieces(const ShellLayer& layer, const BoxTree& tree) {
+std::vector<std::pair<Index, Index>> find_nested_pieces(const LayerBoundary& layer, const BoxTree& tree) {
   const std::size_t n = layer.pieces.n_pieces();
   const std::vector<Index> vertices = own_vertices(layer);
   struct Workspace {

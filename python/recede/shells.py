@@ -1,0 +1,61 @@
+"""Shells, and the averaged distance that they grow along. See docs/shells.md."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _recede
+from ._recede import OptionError
+
+if TYPE_CHECKING:
+    from . import AveragedDistance, Mesh, Progress, Shell
+
+
+def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
+                thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
+                power: float = 3, form: str = "calibrated", step: float = 0.1, border_extension: float = 2.5,
+                repair: bool = True, progress: Progress | None = None) -> Shell:
+    """A layer of space over a surface, proved to be valid, or what is wrong with it.
+
+    `thickness` is in units of the mesh, `relative_thickness` a share of the diagonal, `thicknesses` one of each vertex.
+    `side` is "exterior", "interior" or "envelope", which is both. `directors` lead along the gradient of an averaged
+    distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
+    `power` and `form` are those of `averaged_distance`; `step` the longest step as a share of the thickness, and the largest
+    turn in radians; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
+    `repair` directors are shortened until the layer is valid. See docs/shells.md.
+
+    Raises `OptionError` for what is out of range, `InputError` for a mesh without area.
+    """
+    given = [value is not None for value in (thickness, relative_thickness, thicknesses)]
+    if sum(given) != 1:
+        raise OptionError("a shell needs one of thickness, relative_thickness and thicknesses")
+    if relative_thickness is not None:
+        points = np.asarray(mesh.positions)
+        thickness = relative_thickness * float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
+    settings = {"thickness": thickness or 0.0, "thicknesses": [] if thicknesses is None else [float(t) for t in thicknesses],
+                "side": side, "directors": directors, "power": power, "form": form, "step": step,
+                "border_extension": border_extension, "repair": repair}
+    return _recede.build_shell(mesh, settings, progress)
+
+
+def averaged_distance(mesh: Mesh, points: npt.ArrayLike, *, p: float = 3, form: str = "calibrated",
+                      source: str = "triangles", expansion: str = "quadrupole", opening: float = 1.25,
+                      error: float | None = None, support: float = float("inf"),
+                      progress: Progress | None = None) -> AveragedDistance:
+    """The Lp-averaged distance of a surface at points (n x 3), and its gradient: smooth away from the surface.
+
+    `form` is "calibrated" (over a plane it is the distance; `p` above 2) or "averaged" (a mean over the whole surface).
+    `source` integrates "triangles" exactly or sums over "points", the vertices. Far parts count as points with
+    their second moments (`expansion` "quadrupole") or without ("monopole") where they are farther than `opening` times their
+    size; or, instead, so that the integral is off by at most `error`, a share of it. The surface counts fully up to `support`
+    from a point, and from 5/4 of that not at all.
+
+    Raises `OptionError` for what is out of range, `InputError` for a mesh without area and points that aren't finite.
+    """
+    settings = {"p": p, "form": form, "source": source, "expansion": expansion, "opening": opening,
+                "error": error, "support": support}
+    return _recede.averaged_distance(mesh, points, settings, progress)
