@@ -56,9 +56,10 @@ struct LpDistanceOptions {
   /// Instead of the opening: what summing up adds to I_p is at most this, relative to it; up to rounding.
   std::optional<double> error{};
   /// The surface counts fully up to this far from the point of interest, not at all from 5/4 of it on, and by
-  /// a smoothstep of the distance between; distances are those of triangles' centroids, or of the centroids
-  /// of parts that are summed up, of which none reaches farther than 3/2 of the support. The gradient leaves
-  /// out that these weights move with the point.
+  /// a smoothstep of the distance between. Distances are those of triangles' centroids, or of the centroids
+  /// of parts that are summed up; triangles with a radius above an eighth of the support are nearer by what
+  /// it is more, so that they count as a whole where they come near. The gradient leaves out that these
+  /// weights move with the point.
   double support = std::numeric_limits<double>::infinity();
 };
 

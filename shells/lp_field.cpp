@@ -109,7 +109,11 @@ void add_triangles(const LpBlock& block, const LpQuery& query, LpSums& sums) {
     if (!(block.mass[lane] > 0)) continue;
     const Vec3 a = lane_of(block.corners[0], lane) - x, b = lane_of(block.corners[1], lane) - x,
                c = lane_of(block.corners[2], lane) - x;
-    const double weight = weight_of((a + b + c).norm() / 3, query.support), unit = query.unit;
+    const Vec3 centroid = (a + b + c) / 3;
+    const double squared_radius =
+        std::max({(a - centroid).squaredNorm(), (b - centroid).squaredNorm(), (c - centroid).squaredNorm()});
+    const double excess = std::max(0.0, std::sqrt(squared_radius) - k_lp_large_triangle * query.support);
+    const double weight = weight_of(centroid.norm() - excess, query.support), unit = query.unit;
     if (!(weight > 0)) continue;
     const TriangleIntegral part =
         integrate_power(a / unit, b / unit, c / unit, lane_of(block.normal, lane), query.p);

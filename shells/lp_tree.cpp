@@ -171,12 +171,16 @@ class Builder {
   }
 
   void describe(std::size_t index, std::size_t lane, const Part& part, std::size_t first, std::size_t last) {
-    double squared_radius = 0;
+    // Around the balls of its elements, by whose nearest points supports ask.
+    double radius = 0;
     for (std::size_t i = first; i < last; ++i) {
+      const Vec3& centroid = centroids_[order_[i]];
+      double reach = 0;
       for (const Vec3& corner : elements_[order_[i]].corners)
-        squared_radius = std::max(squared_radius, (corner - part.centroid).squaredNorm());
+        reach = std::max(reach, (corner - centroid).squaredNorm());
+      radius = std::max(radius, (centroid - part.centroid).norm() + std::sqrt(reach));
     }
-    const double radius = std::sqrt(squared_radius), second = part.second.trace();
+    const double second = part.second.trace();
     LpNodeExtent& extent = tree_.extents[index];
     extent.radius[lane] = radius;
     extent.remainder[lane] = options_.quadrupole ? radius * second : second;

@@ -61,7 +61,8 @@ void find_layers_that_meet(Shell& shell, Progress* progress) {
 
 // Within reach of faces with a changed vertex, where they were and where they are.
 std::vector<Index> vertices_near_changes(const PolygonSoup& before, const PolygonSoup& after,
-                                         std::span<const Index> changed, double reach) {
+                                         std::span<const Index> changed, double reach,
+                                         double small_triangle) {
   std::vector<unsigned char> has_changed(after.positions.size(), 0);
   for (const Index v : changed) {
     if (v >= has_changed.size()) throw InputError(fmt::format("vertex {} isn't one of the shell's", v));
@@ -82,9 +83,12 @@ std::vector<Index> vertices_near_changes(const PolygonSoup& before, const Polygo
   }
   std::vector<Index> near;
   if (places.empty()) return near;
+  // From a corner to any point of its triangle, and what the field sees large ones nearer by: their radius is
+  // at most two thirds of their longest side.
+  const double beyond = longest + std::max(0.0, 2.0 / 3 * longest - small_triangle);
   const detail::NearestPoints nearest(std::move(places));
   for (Index v = 0; v < after.positions.size(); ++v) {
-    if (nearest.distance(after.positions[v]) <= reach + longest) near.push_back(v);
+    if (nearest.distance(after.positions[v]) <= reach + beyond) near.push_back(v);
   }
   return near;
 }
@@ -141,7 +145,8 @@ std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<con
     throw OptionError("a shell is updated on the sides that it has");
   const double thickest = *std::max_element(shell.thicknesses.begin(), shell.thicknesses.end());
   const double reach = (options.field.form == LpForm::calibrated ? 3.5 : 4) * thickest;
-  const std::vector<Index> vertices = vertices_near_changes(shell.base, base, changed_vertices, reach);
+  const std::vector<Index> vertices =
+      vertices_near_changes(shell.base, base, changed_vertices, reach, thickest / 4);
   shell.base = base;
   const detail::ShellSurface seen =
       detail::shell_surface_of(shell.base.positions, shell.base.corner_vertices);

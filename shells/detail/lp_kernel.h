@@ -38,6 +38,9 @@ struct LpBlock {
 };
 
 inline constexpr double k_lp_fade_end = 1.25;  ///< of the support
+/// Of the support: by how much a triangle's radius exceeds this, by so much it counts as nearer. Else all of
+/// a surface of large triangles would be out of sight of a point on it.
+inline constexpr double k_lp_large_triangle = 0.125;
 
 /// Where, and how.
 struct LpQuery {

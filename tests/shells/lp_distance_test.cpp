@@ -309,7 +309,8 @@ TEST(LpDistance, NothingBeyondTheSupportCounts) {
 }
 
 TEST(LpDistance, TheSupportFadesByASmoothstepOfTheCentroidsDistance) {
-  const PolygonSoup triangle = one_triangle(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
+  // Its radius is below an eighth of each support.
+  const PolygonSoup triangle = one_triangle(Vec3(-0.04, -0.04, 0), Vec3(0.04, -0.04, 0), Vec3(0, 0.08, 0));
   const LpValue whole = LpDistance(triangle, exact()).at(Vec3(0, 0, 1));
   for (const double end : {1.0 / 1.25, 1.0 / 1.125, 1.0 / 1.0625, 1.0}) {
     LpDistanceOptions options = exact();
@@ -328,6 +329,20 @@ TEST(LpDistance, TheSupportFadesByASmoothstepOfTheCentroidsDistance) {
                   LpDistance(triangle, exact(3, LpForm::averaged)).at(Vec3(0, 0, 1)).distance, 1e-12)
           << "area and integral are weighted alike";
     }
+  }
+}
+
+TEST(LpDistance, ALargeTriangleCountsWhereItComesNear) {
+  // Of radius 2 around the origin.
+  const PolygonSoup triangle = one_triangle(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
+  for (const double p : {3.0, 4.0}) {
+    LpDistanceOptions options = exact(p);
+    options.support = 0.1;
+    const LpValue near_a_corner = LpDistance(triangle, options).at(Vec3(0, 1.9, 0.05));
+    EXPECT_NEAR(near_a_corner.distance, LpDistance(triangle, exact(p)).at(Vec3(0, 1.9, 0.05)).distance,
+                1e-13);
+    EXPECT_GT(near_a_corner.gradient.z(), 0);
+    EXPECT_TRUE(std::isinf(LpDistance(triangle, options).at(Vec3(0, 0, 2.2)).distance));
   }
 }
 

@@ -123,6 +123,16 @@ TEST(Shell, OverAConvexBodyIsAsThickAsAskedFor) {
   }
 }
 
+TEST(Shell, OverFewLargeTrianglesIsAsThickAsAskedFor) {
+  const Shell shell = build_shell(cube(1), unrepaired(0.05));
+  EXPECT_TRUE(shell.is_valid());
+  EXPECT_GT(thickness_of(shell).least, 0.99);
+  // All vertices are corners; there the field's speed is 0.33, and the first step goes along the normal.
+  const Shell inside = build_shell(cube(1), unrepaired(0.05, ShellSide::interior));
+  EXPECT_TRUE(inside.is_valid());
+  EXPECT_NEAR(thickness_of(inside).mean, 4 / (7 * std::sqrt(3.0)), 0.03);
+}
+
 TEST(Shell, InsideABallStopsBeforeTheCenter) {
   const Shell shell = build_shell(ball(8), unrepaired(1.5, ShellSide::interior));
   EXPECT_TRUE(shell.is_valid());
@@ -304,8 +314,8 @@ TEST(Shell, ChangesNearADeformationOnly) {
     EXPECT_LT((updated.exterior->tops[v] - anew.exterior->tops[v]).norm(), 1e-3 * 0.2);
     const double moved_by = (updated.exterior->tops[v] - before.exterior->tops[v]).norm();
     n_different += moved_by > 0 ? 1 : 0;
-    // 3.5 thicknesses and the sides of triangles.
-    if ((surface.positions[v] - was).norm() > 3.5 * 0.2 + 0.3) {
+    // 3.5 thicknesses, and sides of triangles, 0.1 to 0.2: to the changed corners, along them, and once more.
+    if ((surface.positions[v] - was).norm() > 3.5 * 0.2 + 0.5) {
       EXPECT_EQ(moved_by, 0);
     }
   }

@@ -25,6 +25,8 @@ inline Double4 select(Mask4 mask, Double4 yes, Double4 no) {
                                    (~mask & reinterpret_cast<Mask4>(no)));
 }
 
+inline Double4 larger(Double4 a, Double4 b) { return select(a > b, a, b); }
+
 /// The value, or zero whatever the value is, infinite ones too.
 inline Double4 where(Mask4 mask, Double4 value) {
   return reinterpret_cast<Double4>(mask & reinterpret_cast<Mask4>(value));

@@ -108,7 +108,10 @@ struct Totals {
       const Double4 third = all4(1.0 / 3);
       const Vector4 centroid = {(a.x + b.x + c.x) * third, (a.y + b.y + c.y) * third,
                                 (a.z + b.z + c.z) * third};
-      const Double4 weight = weight_of(root(dot(centroid, centroid)), setting.support);
+      const Vector4 to_a = a - centroid, to_b = b - centroid, to_c = c - centroid;
+      const Double4 radius = root(larger(dot(to_a, to_a), larger(dot(to_b, to_b), dot(to_c, to_c))));
+      const Double4 excess = larger(radius - all4(k_lp_large_triangle * setting.support), all4(0));
+      const Double4 weight = weight_of(root(dot(centroid, centroid)) - excess, setting.support);
       // A triangle that doesn't count may be anywhere, but not the reason for an infinity.
       const Mask4 counts = weight > all4(0);
       part.value = where(counts, part.value * weight);
