@@ -1,5 +1,6 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/shells/detail/shell_directors.h>
+#include <recede/shells/detail/shell_pieces.h>
 
 #include <tbb/parallel_for.h>
 
@@ -158,24 +159,21 @@ ShellSurface shell_surface_of(std::span<const Vec3> positions, std::span<const I
 PolygonSoup with_extended_borders(const ShellSurface& surface, std::span<const double> reaches) {
   PolygonSoup soup;
   soup.positions.assign(surface.positions.begin(), surface.positions.end());
-  std::vector<std::pair<Index, Index>> sides;  // directed as their triangles are
-  for (std::size_t corner = 0; corner < surface.triangles.size(); ++corner) {
-    const std::size_t after = corner % 3 == 2 ? corner - 2 : corner + 1;
-    sides.emplace_back(surface.triangles[corner], surface.triangles[after]);
-  }
   for (std::size_t t = 0; t + 2 < surface.triangles.size(); t += 3)
     soup.add_face(surface.triangles.subspan(t, 3));
-  std::sort(sides.begin(), sides.end());
-  std::vector<std::pair<Index, Index>> border;
+  const std::vector<Index> open = find_open_sides(surface.positions.size(), surface.triangles);
+  const auto ends = [&](Index corner) {
+    return std::array<Index, 2>{surface.triangles[corner], surface.triangles[next_in_triangle(corner)]};
+  };
   std::vector<Vec3> outwards(surface.positions.size(), Vec3::Zero());
-  for (const auto& [a, b] : sides) {
-    if (std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) continue;
-    border.emplace_back(a, b);
+  for (const Index corner : open) {
+    const auto [a, b] = ends(corner);
     const Vec3 along = (surface.positions[b] - surface.positions[a]).stableNormalized();
     for (const Index v : {a, b}) outwards[v] += along.cross(surface.normals[v]);
   }
   std::vector<Index> beyond(surface.positions.size(), k_no_index);
-  for (const auto& [a, b] : border) {
+  for (const Index corner : open) {
+    const auto [a, b] = ends(corner);
     for (const Index v : {a, b}) {
       if (beyond[v] != k_no_index) continue;
       beyond[v] = static_cast<Index>(soup.positions.size());

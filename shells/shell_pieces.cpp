@@ -13,6 +13,15 @@ EdgeTable edge_table_of(std::size_t n_vertices, std::span<const Index> triangles
   return build_edge_table(n_vertices, triangles, offsets);
 }
 
+std::vector<Index> open_sides_of(const EdgeTable& edges) {
+  std::vector<Index> sides;
+  for (std::size_t e = 0; e < edges.n_edges(); ++e) {
+    if (edges.sides(e).size() == 1) sides.push_back(edges.sides(e)[0]);
+  }
+  std::sort(sides.begin(), sides.end());
+  return sides;
+}
+
 std::pair<Index, Index> ascending(Index a, Index b) { return std::minmax(a, b); }
 
 /// Prisms of triangles that run along a side in the same direction lie on the same side of it.
@@ -85,13 +94,14 @@ void number_pieces(std::size_t n_triangles, const EdgeTable& edges, ShellPieces&
 
 }  // namespace
 
+std::vector<Index> find_open_sides(std::size_t n_vertices, std::span<const Index> triangles) {
+  return open_sides_of(edge_table_of(n_vertices, triangles));
+}
+
 ShellPieces find_shell_pieces(std::size_t n_vertices, std::span<const Index> triangles) {
   const EdgeTable edges = edge_table_of(n_vertices, triangles);
   ShellPieces pieces;
-  for (std::size_t e = 0; e < edges.n_edges(); ++e) {
-    if (edges.sides(e).size() == 1) pieces.walls.push_back(edges.sides(e)[0]);
-  }
-  std::sort(pieces.walls.begin(), pieces.walls.end());
+  pieces.walls = open_sides_of(edges);
   add_overlaps_at_edges(triangles, edges, pieces);
   add_overlaps_at_vertices(n_vertices, triangles, edges, pieces);
   auto& overlaps = pieces.overlapping_neighbours;

@@ -1,4 +1,5 @@
 #include <recede/shells/detail/prism.h>
+#include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/shell.h>
 
 #include <algorithm>
@@ -71,17 +72,14 @@ PolygonSoup shell_boundary(const Shell& shell) {
   const auto n = static_cast<Index>(boundary.positions.size());
   const std::vector<Vec3>& inner = shell.interior ? shell.interior->tops : shell.base.positions;
   boundary.positions.insert(boundary.positions.end(), inner.begin(), inner.end());
-  std::vector<std::pair<Index, Index>> sides;
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
     const Index a = triangles[t], b = triangles[t + 1], c = triangles[t + 2];
     boundary.add_face(std::array<Index, 3>{a, b, c});
     boundary.add_face(std::array<Index, 3>{n + c, n + b, n + a});
-    for (const auto& side : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) sides.push_back(side);
   }
-  std::sort(sides.begin(), sides.end());
-  for (const auto& [a, b] : sides) {
-    if (!std::binary_search(sides.begin(), sides.end(), std::pair(b, a)))
-      boundary.add_face(std::array<Index, 4>{b, a, n + a, n + b});
+  for (const Index corner : detail::find_open_sides(n, triangles)) {
+    const Index a = triangles[corner], b = triangles[detail::next_in_triangle(corner)];
+    boundary.add_face(std::array<Index, 4>{b, a, n + a, n + b});
   }
   return boundary;
 }

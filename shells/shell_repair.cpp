@@ -1,3 +1,4 @@
+#include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/shell_repair.h>
 
 #include <algorithm>
@@ -75,9 +76,9 @@ class LayerRepair {
       add_corners(b);
     }
     for (const auto& [bottom, top] : found.layer_contacts) add_corners(top);
-    const auto add_wall = [&](std::size_t corner) {
+    const auto add_wall = [&](Index corner) {
       vertices.push_back(surface_.triangles[corner]);
-      vertices.push_back(surface_.triangles[corner % 3 == 2 ? corner - 2 : corner + 1]);
+      vertices.push_back(surface_.triangles[next_in_triangle(corner)]);
     };
     for (const WallContact& contact : found.wall_contacts) {
       add_wall(contact.corner);

@@ -10,9 +10,14 @@
 
 namespace recede::detail {
 
+/// The next corner of a corner's triangle.
+inline Index next_in_triangle(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+/// Corners from which a side that only one triangle has runs to the next corner of the triangle; ascending.
+std::vector<Index> find_open_sides(std::size_t n_vertices, std::span<const Index> triangles);
+
 struct ShellPieces {
-  /// Corners from which a side that only one triangle has runs to the next corner of the triangle; ascending.
-  std::vector<Index> walls;
+  std::vector<Index> walls;  ///< at open sides, by their corners
   /// See `ShellValidity`.
   std::vector<std::pair<Index, Index>> overlapping_neighbours;
   /// Triangles connected over sides are one piece; pieces are numbered by their lowest triangles.
@@ -23,8 +28,5 @@ struct ShellPieces {
 };
 
 ShellPieces find_shell_pieces(std::size_t n_vertices, std::span<const Index> triangles);
-
-/// The next corner of a corner's triangle.
-inline Index next_in_triangle(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
 }  // namespace recede::detail
