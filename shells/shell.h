@@ -53,7 +53,7 @@ struct ShellLayer {
 };
 
 struct Shell {
-  /// The surface: triangles, with the attributes of the input.
+  /// The surface: triangles, with the attributes of the input but its normals and feature edges.
   PolygonSoup base{};
   std::vector<double> thicknesses{};  ///< that were asked for, of each vertex
   std::optional<ShellLayer> exterior{}, interior{};
