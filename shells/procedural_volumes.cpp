@@ -155,11 +155,11 @@ ProceduralVolume bark(const BarkOptions& options) {
     throw OptionError("cracks of bark must be from 0 to 1");
   // Cells of the noise along s and t in a period.
   constexpr int k_across = 5, k_along = 2;
-  const GradientNoise wide(options.seed, k_across, k_along),
+  const GradientNoise wide(options.seed, k_across, k_along), bend(options.seed + 3, k_across, 4 * k_along),
       fine(options.seed + 7, 5 * k_across, 8 * k_along);
   const auto height = [=, cracks = options.cracks](const Vec3& point) {
     const double ridge = std::abs(
-        wide.at({k_across * point.x() + 0.3 * fine.at({k_across * point.x(), 4 * k_along * point.y(), 0.5}),
+        wide.at({k_across * point.x() + 0.3 * bend.at({k_across * point.x(), 4 * k_along * point.y(), 0.5}),
                  k_along * point.y(), 0.5}));
     const double plate = std::min(1.0, ridge / 0.22);  // 0 in the middle of a crack
     const double rough = 0.05 * fine.at({5 * k_across * point.x(), 8 * k_along * point.y(), 9 * point.z()});
