@@ -1,8 +1,10 @@
+#include <recede/shells/detail/shell_excuses.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/shell_repair.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace recede::detail {
 
@@ -24,15 +26,28 @@ class LayerRepair {
 
   void run(bool may_change) {
     layer_.tops = layer_.traced;
-    layer_.validity = check({});
+    layer_.validity = check_all();
     layer_.inverted_before = layer_.validity.inverted.size();
     layer_.contacts_before = layer_.validity.top_contacts.size() + layer_.validity.layer_contacts.size() +
                              layer_.validity.wall_contacts.size();
     layer_.shortened = 0;
     layer_.repair_rounds = 0;
-    if (!may_change || layer_.validity.is_valid() || !layer_.validity.has_valid_base()) return;
+    layer_.excused = find_excused_triangles(surface_, layer_.validity);
+    check_.emplace(surface_, side_, layer_.excused);
+    ShellValidity found = layer_.excused.empty() ? layer_.validity : faults({});
+    if (may_change && !found.is_valid()) {
+      repair(std::move(found));
+      layer_.validity = check_all();
+      found = faults({});
+    }
+    layer_.is_valid_elsewhere = found.is_valid();
+    layer_.shortened = static_cast<std::size_t>(
+        std::count_if(scales_.begin(), scales_.end(), [](double scale) { return scale < 1; }));
+  }
+
+ private:
+  void repair(ShellValidity found) {
     find_neighbours();
-    ShellValidity found = layer_.validity;
     for (; layer_.repair_rounds < k_most_rounds && !found.is_valid(); ++layer_.repair_rounds) {
       const std::vector<Index> vertices = offenders_of(found);
       for (const Index v : vertices) {
@@ -40,20 +55,20 @@ class LayerRepair {
         leans_[v] *= k_shorter;
         place(v);
       }
-      found = check(with_slopes(vertices));
+      found = faults(with_slopes(vertices));
     }
     if (found.is_valid()) regrow();
-    layer_.validity = check({});
-    layer_.shortened = static_cast<std::size_t>(
-        std::count_if(scales_.begin(), scales_.end(), [](double scale) { return scale < 1; }));
   }
 
- private:
-  ShellValidity check(std::span<const Index> changed) const {
+  ShellValidity check_all() const {
     ShellCheckOptions options;
     options.is_inward = side_ < 0;
-    if (!changed.empty()) options.changed_vertices = changed;
     return check_shell(surface_.positions, layer_.tops, surface_.triangles, options, progress_);
+  }
+
+  // Without those of excused triangles among themselves.
+  ShellValidity faults(std::span<const Index> changed) const {
+    return (*check_)(layer_.tops, changed, progress_);
   }
 
   // Shorter, and nearer to the normal: a director that leans over one of its triangles is of no length right.
@@ -147,7 +162,7 @@ class LayerRepair {
       }
       if (grown.empty()) return;
       while (!grown.empty()) {
-        const ShellValidity found = check(grown);
+        const ShellValidity found = faults(grown);
         if (found.is_valid()) break;
         std::vector<Index> back;
         for (const Index v : offenders_of(found)) {
@@ -172,6 +187,7 @@ class LayerRepair {
   double side_;
   ShellLayer& layer_;
   Progress* progress_;
+  std::optional<ExcusingCheck> check_;
   std::vector<double> scales_;  // of lengths
   std::vector<double> leans_;   // 1: as traced, 0: along the normal
   std::vector<std::size_t> starts_;
