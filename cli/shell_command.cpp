@@ -33,6 +33,8 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
   if (!layer) return nullptr;
   const ShellThickness reached = reached_thickness(shell, *layer);
   return {{"is_valid", layer->validity.is_valid()},
+          {"is_valid_elsewhere", layer->is_valid_elsewhere},
+          {"excused", layer->excused.size()},
           {"inverted", layer->validity.inverted.size()},
           {"contacts", n_contacts(layer->validity)},
           {"inverted_before", layer->inverted_before},
@@ -45,14 +47,21 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
 
 const ShellLayer& any_layer(const Shell& shell) { return shell.exterior ? *shell.exterior : *shell.interior; }
 
+std::string validity_text(const ShellLayer& layer) {
+  if (layer.validity.is_valid()) return "valid";
+  const std::string faults = fmt::format("{} prisms inverted, {} contacts", layer.validity.inverted.size(),
+                                         n_contacts(layer.validity));
+  return layer.is_valid_elsewhere ? fmt::format(
+                                        "not valid over {} triangles over which no layer is ({}), "
+                                        "valid elsewhere",
+                                        layer.excused.size(), faults)
+                                  : "not valid: " + faults;
+}
+
 void print_layer(const char* name, const Shell& shell, const std::optional<ShellLayer>& layer) {
   if (!layer) return;
   const ShellThickness reached = reached_thickness(shell, *layer);
-  fmt::print("{:<12} {}; {:.3g} % of the thickness, {:.3g} % at least\n", name,
-             layer->validity.is_valid()
-                 ? "valid"
-                 : fmt::format("not valid: {} prisms inverted, {} contacts", layer->validity.inverted.size(),
-                               n_contacts(layer->validity)),
+  fmt::print("{:<12} {}; {:.3g} % of the thickness, {:.3g} % at least\n", name, validity_text(*layer),
              100 * reached.mean, 100 * reached.least);
   fmt::print("  before     {} prisms inverted, {} contacts; {} directors shortened in {} rounds\n",
              layer->inverted_before, layer->contacts_before, layer->shortened, layer->repair_rounds);
@@ -100,7 +109,7 @@ void run(ShellCommandOptions options) {
   progress.clear();
   print_repairs(built.repairs, options.common);
   if (!any_layer(built.shell).validity.has_valid_base())
-    print_remark(options.input + ": the surface meets itself, so that no shell over it is valid",
+    print_remark(options.input + ": the surface meets itself, so that no shell is valid there",
                  options.common);
   if (options.common.json) return print_document(options, built);
   fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));

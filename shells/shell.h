@@ -43,11 +43,12 @@ struct ShellOptions {
 
 /// One layer: from the surface to the ends of the directors.
 struct ShellLayer {
-  std::vector<Vec3> tops{};                              ///< of each vertex: where its director ends
-  std::vector<Vec3> traced{};                            ///< the same before any repair
-  ShellValidity validity{};                              ///< of `tops`; of `traced` without repair
-  /// Triangles over which no layer is valid, ascending: they meet others in the surface or overlap them beside
-  /// what they share, have no area, or a corner with no direction in front of all its faces.
+  std::vector<Vec3> tops{};    ///< of each vertex: where its director ends
+  std::vector<Vec3> traced{};  ///< the same before any repair
+  ShellValidity validity{};    ///< of `tops`; of `traced` without repair
+  /// Triangles over which no layer is valid, ascending: they meet others in the surface, overlap neighbours,
+  /// or have no area; and all around a vertex at which two of its triangles meet beside it, or with no
+  /// direction in front of all its triangles.
   std::vector<Index> excused{};
   /// The layer over the other triangles is valid by itself, and doesn't meet that over the excused ones: all
   /// that is wrong is wrong among these.

@@ -20,9 +20,18 @@ bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 std::vector<Index> find_excused_triangles(const ShellSurface& surface, const ShellValidity& validity) {
   const std::size_t n = surface.triangles.size() / 3;
-  std::vector<unsigned char> is_excused(n, 0), has_no_front(surface.positions.size(), 0);
+  // Around a hopeless vertex no prisms fit together, in whatever direction they stand.
+  std::vector<unsigned char> is_excused(n, 0), is_hopeless(surface.positions.size(), 0);
   for (const ShellValidity::Pairs* pairs : {&validity.bottom_contacts, &validity.overlapping_neighbours}) {
-    for (const auto& [a, b] : *pairs) is_excused[a] = is_excused[b] = 1;
+    for (const auto& [a, b] : *pairs) {
+      is_excused[a] = is_excused[b] = 1;
+      // Two that meet beside a common vertex do so up to it: the triangles there run through each other.
+      const std::span<const Index> own = surface.triangles.subspan(3 * std::size_t{a}, 3),
+                                   others = surface.triangles.subspan(3 * std::size_t{b}, 3);
+      for (const Index v : own) {
+        if (std::find(others.begin(), others.end(), v) != others.end()) is_hopeless[v] = 1;
+      }
+    }
   }
   for (std::size_t t = 0; t < n; ++t) {
     const std::span<const Index> corners = surface.triangles.subspan(3 * t, 3);
@@ -31,15 +40,15 @@ std::vector<Index> find_excused_triangles(const ShellSurface& surface, const She
     if (!has_area(a, b, c)) is_excused[t] = 1;
     const Vec3 normal = (b - a).cross(c - a).stableNormalized();
     for (const Index v : corners) {
-      if (!(normal.dot(surface.normals[v]) > 0)) has_no_front[v] = 1;
+      if (!(normal.dot(surface.normals[v]) > 0)) is_hopeless[v] = 1;
     }
   }
   std::vector<Index> excused;
   for (std::size_t t = 0; t < n; ++t) {
     const std::span<const Index> corners = surface.triangles.subspan(3 * t, 3);
-    const bool is_behind =
-        std::any_of(corners.begin(), corners.end(), [&](Index v) { return has_no_front[v] != 0; });
-    if (is_excused[t] != 0 || is_behind) excused.push_back(static_cast<Index>(t));
+    const bool is_around =
+        std::any_of(corners.begin(), corners.end(), [&](Index v) { return is_hopeless[v] != 0; });
+    if (is_excused[t] != 0 || is_around) excused.push_back(static_cast<Index>(t));
   }
   return excused;
 }
@@ -64,7 +73,9 @@ ShellValidity ExcusingCheck::operator()(std::span<const Vec3> tops, std::span<co
   ShellValidity found = check_shell(surface_.positions, tops, surface_.triangles, options, progress);
   if (is_excused_.empty()) return found;
   const auto is_excused = [&](Index triangle) { return is_excused_[triangle] != 0; };
-  const auto are_excused = [&](const auto& pair) { return is_excused(pair.first) && is_excused(pair.second); };
+  const auto are_excused = [&](const auto& pair) {
+    return is_excused(pair.first) && is_excused(pair.second);
+  };
   std::erase_if(found.inverted, is_excused);
   for (ShellValidity::Pairs* pairs :
        {&found.bottom_contacts, &found.overlapping_neighbours, &found.top_contacts, &found.layer_contacts})

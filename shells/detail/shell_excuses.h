@@ -11,8 +11,8 @@ namespace recede::detail {
 /// See `ShellLayer::excused`. `validity` is that of any layer over the surface: its bottom is looked at.
 std::vector<Index> find_excused_triangles(const ShellSurface& surface, const ShellValidity& validity);
 
-/// Checks of a layer that say nothing of what some triangles do among themselves, but all of the rest: whether
-/// it is valid by itself, with walls around what is left out, and where it meets what is left out.
+/// Checks of a layer that say nothing of what some triangles do among themselves, but all of the rest:
+/// whether it is valid by itself, with walls around what is left out, and where it meets what is left out.
 class ExcusingCheck {
  public:
   ExcusingCheck(const ShellSurface& surface, double side, std::span<const Index> excused);

@@ -40,7 +40,12 @@ TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
   const CommandResult run = run_recede({"shell", folder / "cross.obj", "--thickness", "0.1"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.remarks, HasSubstr("meets itself"));
-  EXPECT_THAT(run.output, HasSubstr("not valid"));
+  EXPECT_THAT(run.output, HasSubstr("not valid over 2 triangles"));
+  const nlohmann::json result =
+      json_of(run_recede({"shell", folder / "cross.obj", "--thickness", "0.1", "--json"}));
+  EXPECT_FALSE(result["is_valid"]);
+  EXPECT_EQ(result["exterior"]["excused"], 2);
+  EXPECT_TRUE(result["exterior"]["is_valid_elsewhere"]);
 }
 
 TEST(ShellCommand, SaysWhatCantBe) {
