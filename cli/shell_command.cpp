@@ -35,6 +35,7 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
   return {{"is_valid", layer->validity.is_valid()},
           {"is_valid_elsewhere", layer->is_valid_elsewhere},
           {"excused", layer->excused.size()},
+          {"given_up", layer->given_up.size()},
           {"inverted", layer->validity.inverted.size()},
           {"contacts", n_contacts(layer->validity)},
           {"inverted_before", layer->inverted_before},
@@ -52,9 +53,9 @@ std::string validity_text(const ShellLayer& layer) {
   const std::string faults = fmt::format("{} prisms inverted, {} contacts", layer.validity.inverted.size(),
                                          n_contacts(layer.validity));
   return layer.is_valid_elsewhere ? fmt::format(
-                                        "not valid over {} triangles over which no layer is ({}), "
+                                        "not valid over {} triangles ({}), "
                                         "valid elsewhere",
-                                        layer.excused.size(), faults)
+                                        layer.excused.size() + layer.given_up.size(), faults)
                                   : "not valid: " + faults;
 }
 

@@ -107,6 +107,7 @@ void bind_shells(py::module_& m) {
       .def_property_readonly("is_valid_elsewhere",
                              [](const BuiltLayer& l) { return l.layer->is_valid_elsewhere; })
       .def_property_readonly("excused", [](const BuiltLayer& l) { return l.layer->excused; })
+      .def_property_readonly("given_up", [](const BuiltLayer& l) { return l.layer->given_up; })
       .def_property_readonly("inverted", [](const BuiltLayer& l) { return l.layer->validity.inverted; })
       .def_property_readonly("top_contacts",
                              [](const BuiltLayer& l) { return l.layer->validity.top_contacts; })

@@ -50,8 +50,11 @@ struct ShellLayer {
   /// or have no area; and all around a vertex at which two of its triangles meet beside it, or with no
   /// direction in front of all its triangles.
   std::vector<Index> excused{};
-  /// The layer over the other triangles is valid by itself, and doesn't meet that over the excused ones: all
-  /// that is wrong is wrong among these.
+  /// Other triangles beside which repair can't end the faults: sheets that overlap by rounding errors without
+  /// meeting, and other sharpest shapes. Ascending, seldom any.
+  std::vector<Index> given_up{};
+  /// The layer over all but the excused and given up triangles is valid by itself, and doesn't meet that over
+  /// these: all that is wrong is wrong among them.
   bool is_valid_elsewhere = false;
   std::size_t inverted_before = 0, contacts_before = 0;  ///< prisms and pairs that repair found
   std::size_t shortened = 0;                             ///< directors that repair changed

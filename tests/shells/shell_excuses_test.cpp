@@ -3,6 +3,7 @@
 #include "simple_soups.h"
 #include "whole_shells.h"
 #include <recede/geometry/mesh_io.h>
+#include <recede/shells/detail/director_cuts.h>
 #include <recede/shells/detail/front_direction.h>
 
 #include <tbb/global_control.h>
@@ -88,6 +89,7 @@ TEST(ShellExcuses, BoxesThatRunThroughEachOtherLeaveTheGrooveBesideThemValid) {
     const ShellLayer& layer = layer_of(shell);
     EXPECT_FALSE(shell.is_valid());
     EXPECT_EQ(layer.excused, that_meet_others);
+    EXPECT_TRUE(layer.given_up.empty());
     ASSERT_FALSE(layer.excused.empty());
     EXPECT_GE(layer.excused.front(), n_grooves);
     EXPECT_GT(layer.inverted_before + layer.contacts_before, 0u);
@@ -183,6 +185,20 @@ TEST(ShellExcuses, ARealModelThatMeetsItselfIsValidElsewhere) {
     // Half is what the interior of a thin-legged model has; nothing is thrown away.
     EXPECT_GT(reached_thickness(shell, layer).mean, 0.5);
   }
+}
+
+TEST(DirectorCuts, AreWhereAnotherPartOfTheSurfaceStands) {
+  // Two squares, one above the other; of one vertex' director the end lies before it, of one beside it.
+  PolygonSoup soup = test::grid(1, true);
+  add(soup, test::grid(1, true));
+  for (std::size_t v = 4; v < 8; ++v) soup.positions[v] += Vec3(-0.5, -0.5, 0.25);
+  const detail::ShellSurface surface = detail::shell_surface_of(soup.positions, soup.corner_vertices);
+  std::vector<Vec3> ends = soup.positions;
+  for (std::size_t v = 0; v < 4; ++v) ends[v] += Vec3(0, 0, 1);
+  // Vertices 0 to 3 lie at (0, 0), (0, 1), (1, 0) and (1, 1): only the first is below the other square.
+  EXPECT_EQ(detail::shares_before_surface(surface, ends), (std::vector<double>{0.25, 1, 1, 1, 1, 1, 1, 1}));
+  ends[0].z() = 0.2;
+  EXPECT_EQ(detail::shares_before_surface(surface, ends), std::vector<double>(8, 1));
 }
 
 TEST(FrontDirection, IsFoundWhereItIsNarrow) {
