@@ -16,8 +16,8 @@ struct DirectorCase {
 
 std::vector<DirectorCase> director_cases() {
   constexpr ShellSide k_exterior = ShellSide::exterior, k_interior = ShellSide::interior;
-  return {{"ball of radius 1, inside", test::ball(10), k_interior, {0.3, 1.5}},
-          {"ball, outside", test::ball(10), k_exterior, {0.3}},
+  return {{"ball of radius 1, inside", test::ball(16), k_interior, {0.3, 1.5}},
+          {"ball, outside", test::ball(16), k_exterior, {0.3}},
           {"cube from -1 to 1, inside", test::cube(8), k_interior, {0.5, 1.5, 3}},
           {"cube, outside", test::cube(8), k_exterior, {0.5}},
           {"saddle z = 0.9 (x^2 - y^2)", test::saddle(), k_exterior, {0.4, 0.8}},

@@ -1,4 +1,5 @@
 #include "common.h"
+#include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/shells/shell.h>
@@ -14,7 +15,7 @@ struct ShellCommandOptions {
   CommonOptions common;
   std::string input, output;
   ShellOptions shell;
-  std::optional<double> relative_thickness;
+  std::optional<double> relative_thickness, relative_alpha;
   bool no_repair = false;
 };
 
@@ -75,6 +76,10 @@ Built build(ShellCommandOptions& options, Progress* progress) {
   PolygonSoup surface = to_soup(model.read.mesh);
   built.repairs = std::move(model.read.report);
   built.diagonal = bounding_box(surface).diagonal().norm();
+  if (options.relative_alpha) {
+    surface = alpha_wrap(surface, {.alpha = *options.relative_alpha * built.diagonal}, progress);
+    built.diagonal = bounding_box(surface).diagonal().norm();
+  }
   if (options.relative_thickness) options.shell.thickness = *options.relative_thickness * built.diagonal;
   options.shell.repair = !options.no_repair;
   const auto start = std::chrono::steady_clock::now();
@@ -168,6 +173,14 @@ void add_shell_command(CLI::App& app) {
       ->add_option("--border-extension", shell.border_extension,
                    "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--wrap", options->relative_alpha,
+          "first puts a closed surface around the model, which may be anything; goes into holes wider "
+          "than this share of the diagonal (0.02)")
+      ->expected(0, 1)
+      ->default_str("0.02")
+      ->check(CLI::Range(1e-4, 1.0));
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

@@ -1,6 +1,7 @@
 // Layers over one mesh spoilt in many ways, repaired as the command does: for each it is known what comes.
 #include "excused_shells.h"
 #include "torture_set.h"
+#include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/polygon_mesh.h>
 
 #include <map>
@@ -54,6 +55,22 @@ TEST_P(ShellTorture, HasTheOutcomeThatIsKnown) {
     EXPECT_EQ(layer.validity.has_valid_base(), outcome != Outcome::excused);
     test::expect_valid_elsewhere(shell, layer, side == ShellSide::interior);
   }
+}
+
+// Whatever it was: the wrap is a closed surface that doesn't meet itself.
+TEST_P(ShellTorture, HasAValidExteriorAroundAWrap) {
+  if (!can_alpha_wrap()) GTEST_SKIP() << "built without CGAL's GPL parts";
+  const PolygonSoup surface = to_soup(repair_to_polygon_mesh(GetParam().soup).mesh);
+  const Box3 box = bounding_box(surface);
+  const PolygonSoup wrap = alpha_wrap(surface, {.alpha = 0.05 * box.diagonal().norm()});
+  ShellOptions options;
+  options.thickness = 0.03 * box.sizes().maxCoeff();
+  const Shell shell = build_shell(wrap, options);
+  EXPECT_TRUE(shell.exterior->excused.empty());
+  EXPECT_TRUE(shell.exterior->given_up.empty());
+  EXPECT_TRUE(check_shell(shell.base.positions, shell.exterior->tops, shell.base.corner_vertices).is_valid());
+  // All of them are balls or plates, nearly convex; wraps have folds of their own, most around the plate.
+  EXPECT_GT(reached_thickness(shell, *shell.exterior).mean, 0.7);
 }
 
 INSTANTIATE_TEST_SUITE_P(Set, ShellTorture, testing::ValuesIn(test::torture_set(600)),
