@@ -82,6 +82,7 @@ MeasuredLayer measure(const PolygonSoup& surface, double size, ShellSide side, d
                   {"is_valid", layer.validity.is_valid()},
                   {"is_valid_elsewhere", layer.is_valid_elsewhere},
                   {"excused", layer.excused.size()},
+                  {"given_up", layer.given_up.size()},
                   {"inverted", layer.validity.inverted.size()},
                   {"base_contacts", layer.validity.bottom_contacts.size()},
                   {"rounds", layer.repair_rounds},
