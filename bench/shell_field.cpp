@@ -89,7 +89,7 @@ void add_growth(ShellSection& section) {
       "binary logarithm; a finite support is 10 % of the diameter\n\n| triangles | triangles, no support | / "
       "log2 n | triangles, support | / log2 n | vertices as points | / log2 n "
       "|\n|---|---|---|---|---|---|---|\n";
-  for (const std::size_t thousands : {1, 3, 10, 30, 100, 300}) {
+  for (const std::size_t thousands : {1u, 3u, 10u, 30u, 100u, 300u}) {
     const PolygonSoup ball = make_displaced_sphere(1000 * thousands, true);
     const std::vector<Vec3> points = points_near(ball, 4000, 0.005, 0.1);
     const double logarithm = std::log2(static_cast<double>(ball.n_faces()));

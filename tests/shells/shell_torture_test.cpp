@@ -4,6 +4,8 @@
 #include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/polygon_mesh.h>
 
+#include <tbb/global_control.h>
+
 #include <map>
 
 namespace recede {
@@ -54,6 +56,11 @@ TEST_P(ShellTorture, HasTheOutcomeThatIsKnown) {
     EXPECT_EQ(layer.given_up.empty(), outcome != Outcome::given_up);
     EXPECT_EQ(layer.validity.has_valid_base(), outcome != Outcome::excused);
     test::expect_valid_elsewhere(shell, layer, side == ShellSide::interior);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const Shell again = build_shell(surface, options);
+    const ShellLayer& same = again.exterior ? *again.exterior : *again.interior;
+    EXPECT_EQ(same.tops, layer.tops);
+    EXPECT_EQ(same.given_up, layer.given_up);
   }
 }
 
