@@ -49,7 +49,7 @@ class LayerRepair {
         found = repair(faults({}));
       }
       layer_.validity = check_all();
-      found = faults({});
+      found = layer_.excused.empty() && layer_.given_up.empty() ? layer_.validity : faults({});
     }
     layer_.is_valid_elsewhere = found.is_valid();
     layer_.shortened = static_cast<std::size_t>(
