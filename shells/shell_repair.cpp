@@ -1,16 +1,23 @@
+#include <recede/shells/detail/director_cuts.h>
+#include <recede/shells/detail/shell_excuses.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/shell_repair.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace recede::detail {
 
 namespace {
 
 constexpr double k_shorter = 0.7, k_longer = 1 / k_shorter;
-constexpr int k_most_rounds = 48;  // what is left of a director is then one part in 30 million
+// Sheets a millionth apart, or sharper than that, need other orders of magnitude.
+constexpr int k_gentle_rounds = 24;
+constexpr double k_much_shorter = 0.4;
+constexpr int k_most_rounds = 48;  // what is left of a director is then one part in 2e13
 constexpr int k_regrowths = 4;
+constexpr int k_most_retreats = 4;
 
 class LayerRepair {
  public:
@@ -24,36 +31,99 @@ class LayerRepair {
 
   void run(bool may_change) {
     layer_.tops = layer_.traced;
-    layer_.validity = check({});
+    layer_.validity = check_all();
     layer_.inverted_before = layer_.validity.inverted.size();
     layer_.contacts_before = layer_.validity.top_contacts.size() + layer_.validity.layer_contacts.size() +
                              layer_.validity.wall_contacts.size();
     layer_.shortened = 0;
     layer_.repair_rounds = 0;
-    if (!may_change || layer_.validity.is_valid() || !layer_.validity.has_valid_base()) return;
-    find_neighbours();
-    ShellValidity found = layer_.validity;
-    for (; layer_.repair_rounds < k_most_rounds && !found.is_valid(); ++layer_.repair_rounds) {
-      const std::vector<Index> vertices = offenders_of(found);
-      for (const Index v : vertices) {
-        scales_[v] *= k_shorter;
-        leans_[v] *= k_shorter;
-        place(v);
+    layer_.excused = find_excused_triangles(surface_, layer_.validity);
+    layer_.given_up.clear();
+    check_.emplace(surface_, side_, layer_.excused);
+    ShellValidity found = layer_.excused.empty() ? layer_.validity : faults({});
+    if (may_change && !found.is_valid()) {
+      find_neighbours();
+      found = repair(std::move(found));
+      for (int i = 0; i < k_most_retreats && !found.is_valid(); ++i) {
+        give_up_on(found);
+        found = repair(faults({}));
       }
-      found = check(with_slopes(vertices));
+      layer_.validity = check_all();
+      found = layer_.excused.empty() && layer_.given_up.empty() ? layer_.validity : faults({});
     }
-    if (found.is_valid()) regrow();
-    layer_.validity = check({});
+    layer_.is_valid_elsewhere = found.is_valid();
     layer_.shortened = static_cast<std::size_t>(
         std::count_if(scales_.begin(), scales_.end(), [](double scale) { return scale < 1; }));
   }
 
  private:
-  ShellValidity check(std::span<const Index> changed) const {
+  // Returns what is left of the faults.
+  ShellValidity repair(ShellValidity found) {
+    if (cut_at_surface()) found = faults({});
+    for (int round = 0; round < k_most_rounds && !found.is_valid(); ++round, ++layer_.repair_rounds) {
+      const std::vector<Index> vertices = offenders_of(found);
+      const double share = round < k_gentle_rounds ? k_shorter : k_much_shorter;
+      for (const Index v : vertices) {
+        scales_[v] *= share;
+        leans_[v] *= share;
+        place(v);
+      }
+      found = faults(with_slopes(vertices));
+    }
+    if (found.is_valid()) regrow();
+    return found;
+  }
+
+  // Their triangles count as excused from now on, and the rest is repaired from the beginning: all around
+  // them got as short as they.
+  void give_up_on(const ShellValidity& found) {
+    std::vector<Index>& left = layer_.given_up;
+    left.insert(left.end(), found.inverted.begin(), found.inverted.end());
+    for (const ShellValidity::Pairs* pairs : {&found.top_contacts, &found.layer_contacts}) {
+      for (const auto& [a, b] : *pairs) left.insert(left.end(), {a, b});
+    }
+    for (const WallContact& contact : found.wall_contacts) {
+      const bool is_wall = contact.part == ShellPart::wall;
+      left.insert(left.end(), {contact.corner / 3, is_wall ? contact.other / 3 : contact.other});
+    }
+    std::erase_if(
+        left, [&](Index t) { return std::binary_search(layer_.excused.begin(), layer_.excused.end(), t); });
+    std::sort(left.begin(), left.end());
+    left.erase(std::unique(left.begin(), left.end()), left.end());
+    std::vector<Index> all = layer_.excused;
+    all.insert(all.end(), left.begin(), left.end());
+    check_.emplace(surface_, side_, all);
+    layer_.tops = layer_.traced;
+    std::fill(scales_.begin(), scales_.end(), 1.0);
+    std::fill(leans_.begin(), leans_.end(), 1.0);
+  }
+
+  // Tops that all lie beyond the other side of a thin part meet nothing but at its rim, from where rounds
+  // would go on ring by ring. Says whether there were any.
+  bool cut_at_surface() {
+    constexpr double k_room = 0.45;   // what is on the other side needs as much
+    constexpr double k_least = 1e-6;  // rounds do what is sharper
+    const std::vector<double> shares = shares_before_surface(surface_, layer_.tops);
+    std::vector<Index> cut;
+    for (Index v = 0; v < shares.size(); ++v) {
+      if (shares[v] >= 1) continue;
+      scales_[v] = std::max(k_room * shares[v], k_least);
+      place(v);
+      cut.push_back(v);
+    }
+    with_slopes(cut);
+    return !cut.empty();
+  }
+
+  ShellValidity check_all() const {
     ShellCheckOptions options;
     options.is_inward = side_ < 0;
-    if (!changed.empty()) options.changed_vertices = changed;
     return check_shell(surface_.positions, layer_.tops, surface_.triangles, options, progress_);
+  }
+
+  // Without those of excused triangles among themselves.
+  ShellValidity faults(std::span<const Index> changed) const {
+    return (*check_)(layer_.tops, changed, progress_);
   }
 
   // Shorter, and nearer to the normal: a director that leans over one of its triangles is of no length right.
@@ -147,7 +217,7 @@ class LayerRepair {
       }
       if (grown.empty()) return;
       while (!grown.empty()) {
-        const ShellValidity found = check(grown);
+        const ShellValidity found = faults(grown);
         if (found.is_valid()) break;
         std::vector<Index> back;
         for (const Index v : offenders_of(found)) {
@@ -172,6 +242,7 @@ class LayerRepair {
   double side_;
   ShellLayer& layer_;
   Progress* progress_;
+  std::optional<ExcusingCheck> check_;
   std::vector<double> scales_;  // of lengths
   std::vector<double> leans_;   // 1: as traced, 0: along the normal
   std::vector<std::size_t> starts_;
