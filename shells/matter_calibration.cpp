@@ -145,8 +145,8 @@ void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact,
   matter.corrections.resize(k_directions);
   tbb::parallel_for(std::size_t{0}, exact.size(), [&](std::size_t d) {
     const std::vector<std::vector<Step>> rays = pass_matter(matter, finest, direction_of(d));
-    // Opacity rises with density; a factor of 16 either way makes nearly all of what can be made.
-    double low = 1.0 / 16, high = 16;
+    // Opacity rises with density; a factor of 8 either way makes nearly all of what can be made.
+    double low = 1.0 / 8, high = 8;
     for (int round = 0; round < 24; ++round) {
       const double middle = std::sqrt(low * high);
       (seen_with(rays, middle).opacity < exact[d].opacity ? low : high) = middle;
@@ -176,13 +176,14 @@ MatterCorrection TransparentVolume::correction_along(const Vec3& direction) cons
   MatterCorrection sum{0, Vec3::Zero()};
   const auto add = [&](double weight, std::size_t i, std::size_t j) {
     const MatterCorrection& correction = corrections[i * Directions::k_columns + j % Directions::k_columns];
-    sum.density += weight * correction.density;
+    sum.density += weight * std::log(correction.density);
     sum.normal += weight * correction.normal;
   };
   add((1 - v) * (1 - u), row, left);
   add((1 - v) * u, row, left + 1);
   add(v * (1 - u), row + 1, left);
   add(v * u, row + 1, left + 1);
+  sum.density = std::exp(sum.density);
   return sum;
 }
 

@@ -46,7 +46,8 @@ struct TransparentVolume {
   std::size_t texel_at(const Vec3& place, bool is_periodic) const;
   /// Opacity along a unit direction: that of the axes by the squares of its coordinates.
   double opacity_along(std::size_t texel, const Vec3& direction) const;
-  /// Linear between directions; `direction` is unit, in lengths of `VolumeTexture::extent`.
+  /// Linear between directions, of density the logarithm; `direction` is unit, in lengths of
+  /// `VolumeTexture::extent`.
   MatterCorrection correction_along(const Vec3& direction) const;
 };
 

@@ -24,7 +24,9 @@ class MatterPath {
     const Vec3 size(matter_.size[0], matter_.size[1], matter_.size[2]);
     const double texels = move.cwiseProduct(size).norm();
     direction_ = move.cwiseProduct(finest_.extent).stableNormalized();
-    const double opacity = matter_.opacity_along(texel, direction_);
+    // A ray that just touches a texel isn't stopped as one across all of it, not even by a closed one.
+    constexpr double k_most_opacity = 0.98;
+    const double opacity = std::min(matter_.opacity_along(texel, direction_), k_most_opacity);
     if (texel != texel_) in_texel_ = 0;
     texel_ = texel;
     in_texel_ += texels;
