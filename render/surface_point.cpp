@@ -112,6 +112,22 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
   return look;
 }
 
+namespace {
+
+/// The mean of max(0, N.L) over normals whose mean has this length and this cosine with L over it. A length
+/// of 2/3 is that of a ball as it is seen, for which the mean is Lambert's phase function; between that and a
+/// plane it is taken as linear.
+double mean_cosine(double cosine, double length) {
+  const double plane = std::max(0.0, cosine);
+  if (length >= 1) return plane;
+  const double bounded = std::clamp(cosine, -1.0, 1.0), angle = std::acos(bounded);
+  const double ball = (std::sin(angle) + (std::numbers::pi - angle) * bounded) / std::numbers::pi;
+  const double share = std::min(1.0, 3 * (1 - length));
+  return length * ((1 - share) * plane + share * ball);
+}
+
+}  // namespace
+
 double facing(const SurfaceLook& look, const Vec3& toward_light) {
   if (look.billboard.tables != nullptr) {
     // Over the albedo, of all colours together.
@@ -120,7 +136,7 @@ double facing(const SurfaceLook& look, const Vec3& toward_light) {
                    : 0;
   }
   const double by_normal =
-      static_cast<double>(look.normal_length) * std::max(0.0, look.normal.cast<double>().dot(toward_light));
+      mean_cosine(look.normal.cast<double>().dot(toward_light), static_cast<double>(look.normal_length));
   const MethodLook& method = look.method;
   if (method.appearance == nullptr) return by_normal;
   const Vec3 light = method.frame.to_local(toward_light);
@@ -202,7 +218,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
 namespace {
 
 double scattered_by_normal(const SurfacePoint& point, const Vec3& toward) {
-  return point.normal_length * std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
+  return mean_cosine(point.normal.dot(toward), point.normal_length) / std::numbers::pi;
 }
 
 double table_share(const SurfacePoint& point) {
@@ -226,6 +242,11 @@ Rgb scattered_light(const SurfacePoint& point, const Vec3& toward) {
   const Rgb shading = method.appearance->shading(point.albedo, method.toward_viewer, toward_light,
                                                  point.passes_on, method.shares.displaced);
   return static_cast<float>(value) * point.albedo.cwiseProduct(shading);
+}
+
+/// That of `cosine_direction`.
+double cosine_density(const SurfacePoint& point, const Vec3& toward) {
+  return std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
 }
 
 /// A disc filled evenly and lifted to the hemisphere has the density of the cosine.
@@ -274,8 +295,12 @@ bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSam
   if (!(point.geometric_normal.dot(sample.direction) > 0)) return false;
   if (method.appearance == nullptr) {
     sample.density = std::sqrt(1 - random.x()) / std::numbers::pi;
-    sample.weight = static_cast<float>(point.normal_length) * point.albedo;
-    return sample.density > 0;
+    if (!(sample.density > 0)) return false;
+    sample.weight = point.albedo;
+    if (point.normal_length < 1) {
+      sample.weight *= static_cast<float>(scattered_by_normal(point, sample.direction) / sample.density);
+    }
+    return true;
   }
   sample.density = scattering_density(point, sample.direction);
   if (!(sample.density > 0)) return false;
@@ -287,9 +312,9 @@ double scattering_density(const SurfacePoint& point, const Vec3& toward) {
   if (point.billboard.tables != nullptr) return k_sphere_density;
   const MethodLook& method = point.method;
   const double share = table_share(point);
-  if (share == 0) return scattered_by_normal(point, toward) / point.normal_length;
+  if (share == 0) return cosine_density(point, toward);
   return share * method.appearance->sampler().density(method.toward_viewer, method.frame.to_local(toward)) +
-         (1 - share) * scattered_by_normal(point, toward);
+         (1 - share) * cosine_density(point, toward);
 }
 
 }  // namespace recede::detail

@@ -14,7 +14,7 @@ namespace recede::detail {
 
 namespace {
 
-constexpr int k_rays_along = 24;  // squared: rays of a direction
+constexpr int k_rays_along = 20;  // squared: rays of a direction
 
 constexpr double k_degree = std::numbers::pi / 180;
 constexpr std::size_t k_rows = MatterDirections::k_elevations.size(),
@@ -34,20 +34,19 @@ struct Start {
   double s, t, shift_s, shift_t;
 };
 
-double even_number(std::uint32_t number, std::uint32_t base) {
-  double value = 0, share = 1;
-  for (; number > 0; number /= base) {
-    share /= base;
-    value += share * (number % base);
-  }
-  return value;
+// Uniform in [0, 1), the same everywhere.
+double random_number(int ray, std::uint64_t which) {
+  std::uint64_t h = (static_cast<std::uint64_t>(ray) * 4 + which + 1) * 0x9e3779b97f4a7c15ull;
+  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
+  h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
+  h ^= h >> 31;
+  return static_cast<double>(h >> 11) * 0x1p-53;
 }
 
 Start start_of(int ray) {
-  const auto number = static_cast<std::uint32_t>(ray + 1);
-  return {(ray % k_rays_along + even_number(number, 2)) / k_rays_along,
-          (ray / k_rays_along + even_number(number, 3)) / k_rays_along, even_number(number, 5) - 0.5,
-          even_number(number, 7) - 0.5};
+  return {(ray % k_rays_along + random_number(ray, 0)) / k_rays_along,
+          (ray / k_rays_along + random_number(ray, 1)) / k_rays_along, random_number(ray, 2) - 0.5,
+          random_number(ray, 3) - 0.5};
 }
 
 // A ray through the whole layer.
@@ -80,7 +79,7 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
     for (int r = 0; r < k_rays_along * k_rays_along; ++r) {
       const LayerRay ray(start_of(r), direction, texture.extent);
       const int steps =
-          1 + static_cast<int>(2 * ray.across.cwiseProduct(size_of(texture.size)).cwiseAbs().maxCoeff());
+          1 + static_cast<int>(ray.across.cwiseProduct(size_of(texture.size)).cwiseAbs().maxCoeff());
       for (int n = 0; n < steps; ++n) {
         const Vec3 place = ray.at((n + 0.5) / steps);
         if (sampled_opacity(texture, place) < 0.5) continue;
@@ -97,7 +96,7 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
 namespace {
 
 struct Step {
-  double stopped;  // so far
+  double depth;  // -log of the share that goes on, so far
   Vec3 normal;
 };
 
@@ -118,7 +117,8 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
       const double stopped = path.advance(ray.at((n + 0.5) / steps), ray.across / steps);
       if (stopped <= before) continue;
       before = stopped;
-      passed.push_back({stopped, mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction)});
+      passed.push_back({-std::log(1 - stopped),
+                        mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction)});
     }
   }
   return rays;
@@ -130,7 +130,7 @@ SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, double density) 
   for (const std::vector<Step>& ray : rays) {
     double before = 0;
     for (const Step& step : ray) {
-      const double stopped = 1 - std::pow(1 - step.stopped, density);
+      const double stopped = 1 - std::exp(-density * step.depth);
       opacity += stopped - before;
       normal += (stopped - before) * step.normal;
       before = stopped;
@@ -147,7 +147,7 @@ void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact,
     const std::vector<std::vector<Step>> rays = pass_matter(matter, finest, direction_of(d));
     // Opacity rises with density; a factor of 8 either way makes nearly all of what can be made.
     double low = 1.0 / 8, high = 8;
-    for (int round = 0; round < 24; ++round) {
+    for (int round = 0; round < 12; ++round) {
       const double middle = std::sqrt(low * high);
       (seen_with(rays, middle).opacity < exact[d].opacity ? low : high) = middle;
     }
