@@ -15,10 +15,16 @@ namespace recede::detail {
 namespace {
 
 // The field begins on the surface with no direction: the first step goes along the normal.
-constexpr double k_first_step = 0.02;  // of the thickness
-constexpr int k_most_halvings = 12;
-constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 60
+constexpr double k_first_step = 0.02;            // of the thickness
+constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 30
 constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
+
+// Of `ShellOptions::step`.
+constexpr double k_longest_step = 2.5;  // of the thickness
+constexpr double k_largest_turn = 2;    // radians
+// Of its third power: of the thickness, what a step may be off. Twelve times less is what doubled steps of
+// the second order still keep, and half of that again to spare.
+constexpr double k_largest_error = 4, k_even = 1.0 / 12;
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -58,42 +64,102 @@ class FlowField {
   bool is_clamped_;
 };
 
-// Explicit Euler steps (section 4.5), restarted at the longest and halved until they turn little. Besides the
-// source's rule, no step is longer than its share of the thickness, or decreases the distance.
-class DirectorTracer {
+// The way of one director. The source's steps are explicit Euler's (section 4.5), halved until they turn
+// little. Here a step of Adams and Bashforth is corrected by the trapezoidal rule with the flow where it led,
+// which the next step begins with as well: the second order for one look at the field a step, and how far the
+// correction went says how far off it is. Besides the source's rule, no step is longer than its share of the
+// thickness, or decreases the distance.
+//
+// Steps are halves of halves of the longest and end at multiples of themselves. So neighbours, which see much
+// the same field, take the same steps and are off by the same: what differs between them would invert prisms.
+class DirectorPath {
  public:
-  DirectorTracer(const FlowField& field, const ShellOptions& options) : field_(field), options_(options) {}
+  DirectorPath() = default;
+  DirectorPath(const Vec3& start, const Vec3& normal, double thickness, double step)
+      : at_(start), asked_(start + k_first_step * thickness * normal), thickness_(thickness), step_(step) {
+    longest_ = (1 - k_first_step) / std::ceil((1 - k_first_step) / (k_longest_step * step)) * thickness;
+    n_ticks_ = static_cast<int>(std::lround((1 - k_first_step) * thickness / longest_)) * k_longest;
+  }
 
-  Vec3 trace(const Vec3& start, const Vec3& normal, double thickness, std::size_t& evaluations) const {
-    double time = k_first_step * thickness;
-    Vec3 at = start + time * normal;
-    Flow flow = field_.at(at);
-    ++evaluations;
-    while (time < thickness && flow.velocity.norm() > k_stuck && evaluations < k_most_evaluations) {
-      const double longest = options_.step * thickness / std::max(1.0, flow.velocity.norm());
-      double step = std::min(longest, thickness - time);
-      std::optional<Flow> next;
-      for (int halving = 0; halving <= k_most_halvings && !next; ++halving, step /= 2) {
-        const Flow there = field_.at(at + step * flow.velocity);
-        ++evaluations;
-        if (there.distance >= flow.distance &&
-            angle_between(flow.velocity, there.velocity) <= options_.step) {
-          next = there;
-          break;
-        }
-      }
-      if (!next) break;
-      at += step * flow.velocity;
-      // What is left of a thickness may be less than a step of rounding.
-      time = step < longest && step >= thickness - time ? thickness : time + step;
-      flow = *next;
+  bool is_done() const { return is_done_; }
+  const Vec3& end() const { return at_; }
+  std::size_t evaluations() const { return evaluations_; }
+
+  // Where the flow is to be known next.
+  const Vec3& asked() const { return asked_; }
+
+  void answer(const Flow& flow) {
+    ++evaluations_;
+    if (asks_here_) {
+      at_ = asked_;
+      flow_ = flow;
+      asks_here_ = false;
+      n_rejected_ = 0;
+    } else if (const Vec3 corrected = at_ + 0.5 * length_ * (flow_.velocity + flow.velocity);
+               is_accepted(flow, corrected)) {
+      advance(flow, corrected);
+    } else if (stride_ > 1) {
+      stride_ /= 2;
+      // What the flow was where the last step led doesn't get nearer to the one here with shorter steps.
+      asks_here_ = ++n_rejected_ == k_patience;
+    } else {
+      is_done_ = true;
     }
-    return at;
+    is_done_ = is_done_ || tick_ == n_ticks_ || !(flow_.velocity.norm() > k_stuck) ||
+               evaluations_ >= k_most_evaluations;
+    if (is_done_) return;
+    if (asks_here_) {
+      asked_ = at_;
+    } else {
+      predict();
+    }
   }
 
  private:
-  const FlowField& field_;
-  const ShellOptions& options_;
+  static constexpr int k_longest = 1 << 12, k_patience = 2;
+
+  void predict() {
+    for (;; stride_ /= 2) {
+      length_ = longest_ * stride_ / k_longest;
+      Vec3 velocity = flow_.velocity;
+      if (length_before_ > 0) velocity += length_ / (2 * length_before_) * (velocity - before_);
+      // No faster than the flow, which is a distance's where it's clamped.
+      const double speed = velocity.norm(), fastest = std::max(1.0, flow_.velocity.norm());
+      if (speed > fastest) velocity *= fastest / speed;
+      asked_ = at_ + length_ * velocity;
+      if (stride_ == 1 || length_ * fastest <= longest_) return;
+    }
+  }
+
+  bool is_accepted(const Flow& flow, const Vec3& corrected) {
+    turn_ = angle_between(flow_.velocity, flow.velocity);
+    const double correction = (corrected - asked_).norm() / thickness_;
+    // The two are off by 2 + 3 r and -1 parts of the same, r the ratio of the step before to this one.
+    error_ = length_before_ > 0 ? correction / (3 * (1 + length_before_ / length_)) : correction;
+    return flow.distance >= flow_.distance && turn_ <= k_largest_turn * step_ &&
+           error_ <= k_largest_error * step_ * step_ * step_;
+  }
+
+  void advance(const Flow& flow, const Vec3& corrected) {
+    before_ = flow_.velocity;
+    length_before_ = length_;
+    at_ = corrected;
+    flow_ = flow;
+    tick_ += stride_;
+    n_rejected_ = 0;
+    const bool is_even =
+        2 * turn_ <= k_largest_turn * step_ && error_ <= k_even * k_largest_error * step_ * step_ * step_;
+    if (is_even && stride_ < k_longest && tick_ % (2 * stride_) == 0) stride_ *= 2;
+  }
+
+  Vec3 at_ = Vec3::Zero(), asked_ = Vec3::Zero(), before_ = Vec3::Zero();
+  Flow flow_{};
+  double thickness_ = 0, step_ = 0, longest_ = 0;
+  double length_ = 0, length_before_ = 0, turn_ = 0, error_ = 0;
+  int stride_ = k_longest / 2, tick_ = 0, n_ticks_ = 0;  // a step, and time, in shares of the longest step
+  std::size_t evaluations_ = 0;
+  int n_rejected_ = 0;
+  bool asks_here_ = true, is_done_ = false;
 };
 
 // The direction whose least cosine with some normals is greatest, about: the axis of the narrowest cone.
@@ -199,7 +265,6 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
   }
   report_progress(progress, "averaged distance", 0);
   const FlowField field(surface, thicknesses, options);
-  const DirectorTracer tracer(field, options);
   std::atomic<std::size_t> evaluations{0};
   constexpr std::size_t k_at_once = 4096;
   for (std::size_t first = 0; first < vertices.size(); first += k_at_once) {
@@ -210,9 +275,10 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
         result.ends[i] = surface.positions[v];
         return;
       }
-      std::size_t n = 0;
-      result.ends[i] = tracer.trace(surface.positions[v], side * surface.normals[v], thicknesses[v], n);
-      evaluations += n;
+      DirectorPath path(surface.positions[v], side * surface.normals[v], thicknesses[v], options.step);
+      while (!path.is_done()) path.answer(field.at(path.asked()));
+      result.ends[i] = path.end();
+      evaluations += path.evaluations();
     });
   }
   result.evaluations = evaluations;

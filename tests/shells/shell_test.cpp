@@ -136,8 +136,9 @@ TEST(Shell, OverFewLargeTrianglesIsAsThickAsAskedFor) {
 TEST(Shell, InsideABallStopsBeforeTheCenter) {
   const Shell shell = build_shell(ball(8), unrepaired(1.5, ShellSide::interior));
   EXPECT_TRUE(shell.is_valid());
-  // 0.534 of 1.5 in the prototype, with as long steps: none goes past the centre.
-  EXPECT_NEAR(thickness_of(shell).mean, 0.534, 0.005);
+  // 0.534 of 1.5 in the prototype, whose Euler steps are off by what they are long; with ever shorter ones it
+  // becomes 0.518. None goes past the centre.
+  EXPECT_NEAR(thickness_of(shell).mean, 0.518, 0.008);
   for (std::size_t v = 0; v < shell.base.positions.size(); ++v)
     EXPECT_GT(shell.interior->tops[v].dot(shell.base.positions[v]), 0);
 }
