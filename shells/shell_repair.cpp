@@ -1,3 +1,4 @@
+#include <recede/shells/detail/layer_check.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/shell_repair.h>
 
@@ -18,13 +19,13 @@ class LayerRepair {
       : surface_(surface),
         side_(side),
         layer_(layer),
-        progress_(progress),
+        check_(surface.positions, layer.traced, surface.triangles, side < 0, progress),
         scales_(surface.positions.size(), 1.0),
         leans_(surface.positions.size(), 1.0) {}
 
   void run(bool may_change) {
     layer_.tops = layer_.traced;
-    layer_.validity = check({});
+    layer_.validity = check_.check_all();
     layer_.inverted_before = layer_.validity.inverted.size();
     layer_.contacts_before = layer_.validity.top_contacts.size() + layer_.validity.layer_contacts.size() +
                              layer_.validity.wall_contacts.size();
@@ -40,22 +41,16 @@ class LayerRepair {
         leans_[v] *= k_shorter;
         place(v);
       }
-      found = check(with_slopes(vertices));
+      found = check_.check_moved(layer_.tops, with_slopes(vertices));
     }
     if (found.is_valid()) regrow();
-    layer_.validity = check({});
+    // What was found at the beginning is gone, and what moved was looked at whenever it did.
+    layer_.validity = found.is_valid() ? ShellValidity{} : check_.check_all();
     layer_.shortened = static_cast<std::size_t>(
         std::count_if(scales_.begin(), scales_.end(), [](double scale) { return scale < 1; }));
   }
 
  private:
-  ShellValidity check(std::span<const Index> changed) const {
-    ShellCheckOptions options;
-    options.is_inward = side_ < 0;
-    if (!changed.empty()) options.changed_vertices = changed;
-    return check_shell(surface_.positions, layer_.tops, surface_.triangles, options, progress_);
-  }
-
   // Shorter, and nearer to the normal: a director that leans over one of its triangles is of no length right.
   void place(Index v) {
     const Vec3 &from = surface_.positions[v], director = layer_.traced[v] - from;
@@ -146,24 +141,24 @@ class LayerRepair {
         grown.push_back(v);
       }
       if (grown.empty()) return;
-      while (!grown.empty()) {
-        const ShellValidity found = check(grown);
-        if (found.is_valid()) break;
-        std::vector<Index> back;
+      // Whatever is found has a part that grew, whose corners go back: that's what there is to look at next.
+      std::vector<Index> moved = grown;
+      for (ShellValidity found; !(found = check_.check_moved(layer_.tops, moved)).is_valid();) {
+        moved.clear();
         for (const Index v : offenders_of(found)) {
           if (scales_[v] == before[v]) continue;
           scales_[v] = before[v];
           place(v);
-          back.push_back(v);
+          moved.push_back(v);
         }
+        if (!moved.empty()) continue;
         // Nobody's own fault: all go back.
-        if (back.empty()) {
-          for (const Index v : grown) {
-            scales_[v] = before[v];
-            place(v);
-          }
-          break;
+        for (const Index v : grown) {
+          scales_[v] = before[v];
+          place(v);
         }
+        check_.check_moved(layer_.tops, grown);
+        break;
       }
     }
   }
@@ -171,7 +166,7 @@ class LayerRepair {
   const ShellSurface& surface_;
   double side_;
   ShellLayer& layer_;
-  Progress* progress_;
+  LayerCheck check_;
   std::vector<double> scales_;  // of lengths
   std::vector<double> leans_;   // 1: as traced, 0: along the normal
   std::vector<std::size_t> starts_;

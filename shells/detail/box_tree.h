@@ -20,12 +20,20 @@ class BoxTree {
       return lower[0] <= other.upper[0] && other.lower[0] <= upper[0] && lower[1] <= other.upper[1] &&
              other.lower[1] <= upper[1] && lower[2] <= other.upper[2] && other.lower[2] <= upper[2];
     }
-    void extend(const Box& other);
+    void extend(const Box& other) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        lower[k] = std::min(lower[k], other.lower[k]);
+        upper[k] = std::max(upper[k], other.upper[k]);
+      }
+    }
   };
 
   explicit BoxTree(const std::vector<Box>& boxes);
 
   std::size_t n_leaves() const { return n_leaves_; }
+
+  /// Box `i` is another one now. The tree stays as it was cut, so that boxes which move far make it slow.
+  void move(Index i, const Box& box);
 
   /// Calls `visit(i, j)` for boxes that overlap, the first one of `leaf`: each pair in one of all leaves.
   template <typename Visit>
@@ -64,6 +72,7 @@ class BoxTree {
   std::vector<Box> nodes_;    // the root at 1, the children of k at 2k and 2k + 1, the leaves last
   std::vector<Box> boxes_;    // leaf by leaf
   std::vector<Index> order_;  // the number of each in the list given
+  std::vector<Index> place_;  // of each in that list: where it is here
 };
 
 template <typename IsMet, typename VisitLeaf>

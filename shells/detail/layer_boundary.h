@@ -33,6 +33,7 @@ struct LayerBoundary {
   Simplex simplex(Index part) const;
 };
 
+BoxTree::Box box_of_part(const LayerBoundary& layer, Index part);
 std::vector<BoxTree::Box> boxes_of_parts(const LayerBoundary& layer);
 
 /// See `ShellValidity`. `tree` is that of the layer's parts.

@@ -1,0 +1,42 @@
+// Checks of a layer again and again while its tops move.
+#pragma once
+
+#include <recede/geometry/progress.h>
+#include <recede/shells/detail/layer_boundary.h>
+#include <recede/shells/shell_validity.h>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace recede::detail {
+
+/// What `check_shell` finds, without finding out anew what doesn't change: how the mesh is connected, and
+/// where its bottom meets itself. Boxes follow the tops in the same tree.
+class LayerCheck {
+ public:
+  /// Positions and triangles are referred to. Throws as `check_shell`.
+  LayerCheck(std::span<const Vec3> bottom, std::span<const Vec3> top, std::span<const Index> triangles,
+             bool is_inward, Progress* progress);
+
+  /// All of it.
+  ShellValidity check_all() const;
+
+  /// Takes over the tops of some vertices and returns what their triangles' prisms, tops and walls take part
+  /// in: of pairs, those with a part that moved.
+  ShellValidity check_moved(std::span<const Vec3> top, std::span<const Index> vertices);
+
+ private:
+  void add_nested_pieces(ShellValidity& validity) const;
+
+  LayerBoundary layer_;
+  bool is_inward_;
+  Progress* progress_;
+  std::vector<std::size_t> starts_;  // of each vertex
+  std::vector<Index> around_;        // triangles
+  std::vector<BoxTree::Box> boxes_;
+  BoxTree tree_;
+  std::vector<unsigned char> has_moved_;  // of each part; none outside of `check_moved`
+};
+
+}  // namespace recede::detail
