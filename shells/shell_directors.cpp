@@ -1,4 +1,5 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/shells/detail/lp_field.h>
 #include <recede/shells/detail/shell_directors.h>
 #include <recede/shells/detail/shell_pieces.h>
 
@@ -17,6 +18,7 @@ namespace {
 // The field begins on the surface with no direction: the first step goes along the normal.
 constexpr double k_first_step = 0.02;            // of the thickness
 constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 30
+constexpr std::size_t k_neighbours = 64;         // followed together
 constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
 
 // Of `ShellOptions::step`.
@@ -50,16 +52,25 @@ class FlowField {
     averaged_.emplace(with_extended_borders(surface, reaches), field);
   }
 
-  Flow at(const Vec3& point) const {
-    if (exact_)
-      return {extended_gradient(*exact_, point), std::sqrt(exact_->closest(point).squared_distance)};
-    const LpValue value = averaged_->at(point);
-    const double length = value.gradient.norm();
-    return {is_clamped_ && length > 1 ? Vec3(value.gradient / length) : value.gradient, value.distance};
+  // At points near to each other.
+  void at_each(std::span<const Vec3> points, std::span<Flow> flows) const {
+    if (exact_) {
+      for (std::size_t i = 0; i < points.size(); ++i)
+        flows[i] = {extended_gradient(*exact_, points[i]),
+                    std::sqrt(exact_->closest(points[i]).squared_distance)};
+      return;
+    }
+    std::array<LpValue, k_neighbours> values;
+    averaged_->at_each(points, std::span(values).first(points.size()));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const LpValue& value = values[i];
+      const double length = value.gradient.norm();
+      flows[i] = {is_clamped_ && length > 1 ? Vec3(value.gradient / length) : value.gradient, value.distance};
+    }
   }
 
  private:
-  std::optional<LpDistance> averaged_;
+  std::optional<LpField> averaged_;
   std::optional<ClosestPointTree> exact_;
   bool is_clamped_;
 };
@@ -83,7 +94,6 @@ class DirectorPath {
 
   bool is_done() const { return is_done_; }
   const Vec3& end() const { return at_; }
-  std::size_t evaluations() const { return evaluations_; }
 
   // Where the flow is to be known next.
   const Vec3& asked() const { return asked_; }
@@ -161,6 +171,66 @@ class DirectorPath {
   int n_rejected_ = 0;
   bool asks_here_ = true, is_done_ = false;
 };
+
+// Follows the paths of some of all `ends` side by side, `path_of` each; returns the number of evaluations.
+// Those that take the same steps stay near to each other.
+template <typename PathOf>
+std::size_t trace_neighbours(const FlowField& field, std::span<const std::size_t> which, PathOf&& path_of,
+                             std::vector<Vec3>& ends) {
+  std::array<DirectorPath, k_neighbours> paths;
+  std::array<std::size_t, k_neighbours> owners{};
+  std::array<Vec3, k_neighbours> asked;
+  std::array<Flow, k_neighbours> flows;
+  std::size_t n = which.size(), evaluations = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    owners[i] = which[i];
+    paths[i] = path_of(which[i]);
+  }
+  while (n > 0) {
+    for (std::size_t i = 0; i < n; ++i) asked[i] = paths[i].asked();
+    field.at_each(std::span(asked).first(n), std::span(flows).first(n));
+    evaluations += n;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      paths[i].answer(flows[i]);
+      if (paths[i].is_done()) {
+        ends[owners[i]] = paths[i].end();
+        continue;
+      }
+      paths[left] = paths[i];
+      owners[left++] = owners[i];
+    }
+    n = left;
+  }
+  return evaluations;
+}
+
+// Along a curve that fills the box of the vertices, by turns of their coordinates' bits; those that have a
+// normal only. In `vertices` it says where.
+std::vector<std::size_t> order_in_space(const ShellSurface& surface, std::span<const Index> vertices) {
+  Box3 box;
+  for (const Index v : vertices) box.extend(surface.positions[v]);
+  constexpr int k_bits = 20;
+  const double cells = std::ldexp(1.0, k_bits) - 1;
+  const Vec3 sizes = box.isEmpty() ? Vec3::Ones() : Vec3(box.sizes().cwiseMax(box.sizes().maxCoeff() * 1e-9));
+  std::vector<std::pair<std::uint64_t, std::size_t>> keys;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (surface.normals[vertices[i]].isZero()) continue;
+    std::uint64_t key = 0;
+    const Vec3 at = surface.positions[vertices[i]] - box.min();
+    std::array<std::uint64_t, 3> cell{};
+    for (int k = 0; k < 3; ++k) cell[static_cast<std::size_t>(k)] = static_cast<std::uint64_t>(std::clamp(at[k] / sizes[k], 0.0, 1.0) * cells);
+    for (int bit = k_bits; bit-- > 0;) {
+      for (const std::uint64_t coordinate : cell) key = 2 * key + (coordinate >> bit & 1u);
+    }
+    keys.emplace_back(key, i);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::size_t> order;
+  order.reserve(keys.size());
+  for (const auto& [key, i] : keys) order.push_back(i);
+  return order;
+}
 
 // The direction whose least cosine with some normals is greatest, about: the axis of the narrowest cone.
 Vec3 axis_of(std::span<const Vec3> normals, Vec3 axis) {
@@ -255,7 +325,8 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
                                 std::span<const double> thicknesses, double side, const ShellOptions& options,
                                 Progress* progress) {
   TracedDirectors result;
-  result.ends.resize(vertices.size());
+  result.ends.reserve(vertices.size());
+  for (const Index v : vertices) result.ends.push_back(surface.positions[v]);
   if (options.method == DirectorMethod::normals) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const Index v = vertices[i];
@@ -265,20 +336,21 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
   }
   report_progress(progress, "averaged distance", 0);
   const FlowField field(surface, thicknesses, options);
+  const std::vector<std::size_t> order = order_in_space(surface, vertices);
   std::atomic<std::size_t> evaluations{0};
   constexpr std::size_t k_at_once = 4096;
-  for (std::size_t first = 0; first < vertices.size(); first += k_at_once) {
-    report_progress(progress, "directors", static_cast<double>(first) / static_cast<double>(vertices.size()));
-    tbb::parallel_for(first, std::min(first + k_at_once, vertices.size()), [&](std::size_t i) {
-      const Index v = vertices[i];
-      if (surface.normals[v].isZero()) {
-        result.ends[i] = surface.positions[v];
-        return;
-      }
-      DirectorPath path(surface.positions[v], side * surface.normals[v], thicknesses[v], options.step);
-      while (!path.is_done()) path.answer(field.at(path.asked()));
-      result.ends[i] = path.end();
-      evaluations += path.evaluations();
+  for (std::size_t first = 0; first < order.size(); first += k_at_once) {
+    report_progress(progress, "directors", static_cast<double>(first) / static_cast<double>(order.size()));
+    const std::size_t last = std::min(first + k_at_once, order.size());
+    tbb::parallel_for(first, last, k_neighbours, [&](std::size_t begin) {
+      evaluations += trace_neighbours(
+          field, std::span(order).subspan(begin, std::min(k_neighbours, last - begin)),
+          [&](std::size_t i) {
+            const Index v = vertices[i];
+            return DirectorPath(surface.positions[v], side * surface.normals[v], thicknesses[v],
+                                options.step);
+          },
+          result.ends);
     });
   }
   result.evaluations = evaluations;

@@ -32,6 +32,20 @@ inline Double4 where(Mask4 mask, Double4 value) {
   return reinterpret_cast<Double4>(mask & reinterpret_cast<Mask4>(value));
 }
 
+/// A bit for each lane of a comparison.
+inline unsigned bits_of(Mask4 mask) {
+#if defined(__AVX__)
+  return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Double4>(mask)));
+#else
+  return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+
+inline Mask4 lanes_of(unsigned bits) {
+  const Mask4 all = {bits, bits, bits, bits};
+  return (all & Mask4{1, 2, 4, 8}) != Mask4{0, 0, 0, 0};
+}
+
 inline Double4 root(Double4 x) {
   return Double4{__builtin_sqrt(x[0]), __builtin_sqrt(x[1]), __builtin_sqrt(x[2]), __builtin_sqrt(x[3])};
 }
