@@ -27,9 +27,10 @@ struct PartTotals {
                             xy * r.x + all4(node.tensor[1][slot]) * r.y + yz * r.z,
                             xz * r.x + yz * r.y + all4(node.tensor[2][slot]) * r.z};
     const Double4 part = all4(node.mass[slot]), second = dot(turned, r) * inverse2;
-    Double4 power = inverse * root(inverse), counted = where(counts, part);
+    const Double4 reciprocal = root(inverse);
+    Double4 power = inverse * reciprocal, counted = where(counts, part);
     if constexpr (is_fading) {
-      const Double4 weight = weight_of(root(squared), support);
+      const Double4 weight = weight_of(squared * reciprocal, support);
       power *= weight;
       counted *= weight;
     }

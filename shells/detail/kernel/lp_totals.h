@@ -9,7 +9,7 @@ namespace {
 
 /// 1 up to the support, 0 from 5/4 of it on.
 inline Double4 weight_of(Double4 distance, double support) {
-  const Double4 t = (all4(k_lp_fade_end * support) - distance) / all4((k_lp_fade_end - 1) * support);
+  const Double4 t = (all4(k_lp_fade_end * support) - distance) * all4(1 / ((k_lp_fade_end - 1) * support));
   const Double4 zero = all4(0), one = all4(1);
   const Double4 inside = select(t < zero, zero, select(t > one, one, t));
   return inside * inside * (all4(3) - all4(2) * inside);
