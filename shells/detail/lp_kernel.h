@@ -46,7 +46,7 @@ struct LpBlock {
 
 inline constexpr double k_lp_fade_end = 1.25;  ///< of the support
 /// Where weights differ, the largest radius of a part that is summed up, of the support.
-inline constexpr double k_lp_fading_part = 0.25;
+inline constexpr double k_lp_fading_part = 0.3;
 /// Of the support: by how much a triangle's radius exceeds this, by so much it counts as nearer. Else all of
 /// a surface of large triangles would be out of sight of a point on it.
 inline constexpr double k_lp_large_triangle = 0.125;
@@ -88,6 +88,7 @@ struct LpKernel {
 /// The version for this processor. All have the same results.
 const LpKernel& lp_kernel();
 extern const LpKernel k_lp_kernel_baseline;
-extern const LpKernel k_lp_kernel_avx2;  ///< for x86-64 only
+extern const LpKernel k_lp_kernel_avx2;    ///< for x86-64 only
+extern const LpKernel k_lp_kernel_avx512;  ///< as well
 
 }  // namespace recede::detail

@@ -10,33 +10,38 @@
 namespace recede::detail {
 namespace {
 
-/// Of parts that are summed up.
+/// Of parts that are summed up, one at a time, for a point in each lane.
+template <typename Lanes>
 struct PartTotals {
-  Double4 value = all4(0), mass = all4(0);
-  Vector4 gradient = {all4(0), all4(0), all4(0)};
+  using Double = typename Lanes::Double;
+  Double value = Lanes::all(0), mass = Lanes::all(0);
+  VectorLanes<Double> gradient = {Lanes::all(0), Lanes::all(0), Lanes::all(0)};
 
   template <bool is_fading>
-  void add(const Vector4& x, double support, const LpNode& node, std::uint32_t slot, Mask4 counts) {
-    const Vector4 r = {x.x - all4(node.center[0][slot]), x.y - all4(node.center[1][slot]),
-                       x.z - all4(node.center[2][slot])};
-    const Double4 squared = dot(r, r);
-    const Double4 inverse = where(counts, all4(1) / squared), inverse2 = inverse * inverse;
-    const Double4 xy = all4(node.tensor[3][slot]), xz = all4(node.tensor[4][slot]),
-                  yz = all4(node.tensor[5][slot]);
-    const Vector4 turned = {all4(node.tensor[0][slot]) * r.x + xy * r.y + xz * r.z,
-                            xy * r.x + all4(node.tensor[1][slot]) * r.y + yz * r.z,
-                            xz * r.x + yz * r.y + all4(node.tensor[2][slot]) * r.z};
-    const Double4 part = all4(node.mass[slot]), second = dot(turned, r) * inverse2;
-    const Double4 reciprocal = root(inverse);
-    Double4 power = inverse * reciprocal, counted = where(counts, part);
+  void add(const VectorLanes<Double>& r, const LpNode& node, std::uint32_t slot, unsigned points,
+           double support) {
+    const auto all = [](double number) { return Lanes::all(number); };
+    const Double squared = dot(r, r);
+    const Double inverse = Lanes::where_set(points, all(1) / squared), inverse2 = inverse * inverse;
+    const Double xy = all(node.tensor[3][slot]), xz = all(node.tensor[4][slot]),
+                 yz = all(node.tensor[5][slot]);
+    const VectorLanes<Double> turned = {all(node.tensor[0][slot]) * r.x + xy * r.y + xz * r.z,
+                                        xy * r.x + all(node.tensor[1][slot]) * r.y + yz * r.z,
+                                        xz * r.x + yz * r.y + all(node.tensor[2][slot]) * r.z};
+    const Double part = all(node.mass[slot]), second = dot(turned, r) * inverse2;
+    const Double reciprocal = Lanes::square_root(inverse);
+    Double power = inverse * reciprocal, counted = Lanes::where_set(points, part);
     if constexpr (is_fading) {
-      const Double4 weight = weight_of(squared * reciprocal, support);
+      const Double t = (all(k_lp_fade_end * support) - squared * reciprocal) *
+                       all(1 / ((k_lp_fade_end - 1) * support));
+      const Double inside = Lanes::larger_of(Lanes::smaller_of(t, all(1)), all(0));
+      const Double weight = inside * inside * (all(3) - all(2) * inside);
       power *= weight;
       counted *= weight;
     }
     value += power * (part + second);
-    const Double4 along = -power * inverse * (all4(3) * part + all4(7) * second),
-                  across = all4(2) * power * inverse2;
+    const Double along = -power * inverse * (all(3) * part + all(7) * second),
+                 across = all(2) * power * inverse2;
     gradient.x += along * r.x + across * turned.x;
     gradient.y += along * r.y + across * turned.y;
     gradient.z += along * r.z + across * turned.z;
@@ -45,8 +50,11 @@ struct PartTotals {
 };
 
 /// The points of a packet, one in each lane.
+template <typename Lanes>
 struct PacketWalk {
-  static constexpr int k_lanes = 4;
+  using Double = typename Lanes::Double;
+  using Vector = VectorLanes<Double>;
+  static constexpr int k_lanes = Lanes::k_size;
   // Three children of a node wait while one is followed, for each of 16 levels.
   static constexpr int k_nodes = 64, k_parts = 64, k_leaves = 32;
 
@@ -69,14 +77,14 @@ struct PacketWalk {
   const LpArrays& arrays;
   const LpFade* fades;
   double support;
-  Vector4 x{};
+  Vector x{};
   Entry nodes[k_nodes];
   Entry full[k_parts + 4], fading[k_parts + 4];  // and what a node adds to a list that isn't full
   std::uint32_t leaves[k_lanes][k_leaves + 4], fading_leaves[k_lanes][k_leaves + 4];
   int n_nodes = 0, n_full = 0, n_fading = 0;
   int n_leaves[k_lanes] = {}, n_fading_leaves[k_lanes] = {};
   // Apart, as lists get full earlier in other company.
-  PartTotals of_full, of_fading;
+  PartTotals<Lanes> of_full, of_fading;
   LeafTotals totals[k_lanes];
 
   /// Sorts the children of a node into what they are for each point.
@@ -85,15 +93,13 @@ struct PacketWalk {
     const LpFade& fade = fades[entry.index];
     const std::uint32_t points = entry.points;
     for (std::uint32_t slot = 0; slot < 4; ++slot) {
-      const Vector4 r = {x.x - all4(node.center[0][slot]), x.y - all4(node.center[1][slot]),
-                         x.z - all4(node.center[2][slot])};
-      const Double4 squared = dot(r, r);
-      const std::uint32_t inside = bits_of(squared <= all4(fade.squared_end[slot])) & points;
+      const Vector r = from(node, slot);
+      const Double squared = dot(r, r);
+      const std::uint32_t inside = Lanes::at_most(squared, Lanes::all(fade.squared_end[slot])) & points;
       if (inside == 0) continue;
-      const std::uint32_t is_full = bits_of(squared < all4(fade.squared_full[slot]));
-      const std::uint32_t far = bits_of((squared > all4(node.squared_reach[slot])) &
-                                        (squared < all4(fade.squared_limit[slot]))) &
-                                inside;
+      const std::uint32_t is_full = Lanes::less(squared, Lanes::all(fade.squared_full[slot]));
+      const std::uint32_t far = Lanes::less(Lanes::all(node.squared_reach[slot]), squared) &
+                                Lanes::less(squared, Lanes::all(fade.squared_limit[slot])) & inside;
       const std::uint32_t open = inside & ~far;
       full[n_full] = {4 * entry.index + slot, far & is_full};
       n_full += (far & is_full) != 0;
@@ -115,12 +121,19 @@ struct PacketWalk {
     }
   }
 
+  Vector from(const LpNode& node, std::uint32_t slot) const {
+    return {x.x - Lanes::all(node.center[0][slot]), x.y - Lanes::all(node.center[1][slot]),
+            x.z - Lanes::all(node.center[2][slot])};
+  }
+
   template <bool is_fading>
-  void add_list(const Entry* entries, int n, PartTotals& sums) {
-    PartTotals local = sums;
-    for (int i = 0; i < n; ++i)
-      local.add<is_fading>(x, support, arrays.nodes[entries[i].index / 4], entries[i].index % 4,
-                           lanes_of(entries[i].points));
+  void add_list(const Entry* entries, int n, PartTotals<Lanes>& sums) {
+    PartTotals<Lanes> local = sums;
+    for (int i = 0; i < n; ++i) {
+      const LpNode& node = arrays.nodes[entries[i].index / 4];
+      const std::uint32_t slot = entries[i].index % 4;
+      local.template add<is_fading>(from(node, slot), node, slot, entries[i].points, support);
+    }
     sums = local;
   }
 
@@ -133,9 +146,9 @@ struct PacketWalk {
   void add_leaves(int lane) {
     const Vector4 point = {all4(x.x[lane]), all4(x.y[lane]), all4(x.z[lane])};
     for (int i = 0; i < n_leaves[lane]; ++i)
-      totals[lane].add<false>(point, support, arrays.blocks[leaves[lane][i]]);
+      totals[lane].template add<false>(point, support, arrays.blocks[leaves[lane][i]]);
     for (int i = 0; i < n_fading_leaves[lane]; ++i)
-      totals[lane].add<true>(point, support, arrays.blocks[fading_leaves[lane][i]]);
+      totals[lane].template add<true>(point, support, arrays.blocks[fading_leaves[lane][i]]);
     n_leaves[lane] = n_fading_leaves[lane] = 0;
   }
 
@@ -153,9 +166,10 @@ struct PacketWalk {
 };
 
 void sum_packet(const LpArrays& arrays, const LpFade* fades, const LpQuery* queries, int n, LpSums* sums) {
-  for (int first = 0; first < n; first += PacketWalk::k_lanes) {
-    const int here = n - first < PacketWalk::k_lanes ? n - first : PacketWalk::k_lanes;
-    PacketWalk walk(arrays, fades, queries[0].support, queries + first, here);
+  using Walk = PacketWalk<WidestLanes>;
+  for (int first = 0; first < n; first += Walk::k_lanes) {
+    const int here = n - first < Walk::k_lanes ? n - first : Walk::k_lanes;
+    Walk walk(arrays, fades, queries[0].support, queries + first, here);
     walk.run();
     for (int lane = 0; lane < here; ++lane) {
       const LeafTotals& near = walk.totals[lane];
