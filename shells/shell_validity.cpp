@@ -164,15 +164,13 @@ class ContactSearch {
     });
   }
 
-  /// The pairs with a part that moved, where `has_moved` says so of each part.
-  void beside(const BoxTree& tree, std::span<const Index> moved, std::span<const unsigned char> has_moved,
-              std::span<const BoxTree::Box> boxes) {
-    in_blocks(moved.size(), [&](std::size_t i, ShellValidity& found) {
-      const Index a = moved[i];
-      tree.visit_overlaps(boxes[a], [&](Index b) {
-        // Two that moved find each other.
-        if (has_moved[b] == 0 || a < b) test(a, b, found);
-      });
+  /// The pairs with a part that moved, where `has_moved` says so of each part; in leaves that have some.
+  void beside(const BoxTree& tree, std::span<const std::size_t> leaves,
+              std::span<const unsigned char> has_moved) {
+    in_blocks(leaves.size(), [&](std::size_t i, ShellValidity& found) {
+      tree.visit_selected_pairs(
+          leaves[i], [&](Index part) { return has_moved[part] != 0; },
+          [&](Index a, Index b) { test(a, b, found); });
     });
   }
 
@@ -267,9 +265,8 @@ LayerCheck::LayerCheck(std::span<const Vec3> bottom, std::span<const Vec3> top,
       progress_(progress),
       starts_(bottom.size() + 1, 0),
       around_(triangles.size()),
-      boxes_(boxes_of_parts(layer_)),
-      tree_(boxes_),
-      has_moved_(boxes_.size(), 0) {
+      tree_(boxes_of_parts(layer_)),
+      has_moved_(layer_.n_parts(), 0) {
   for (const Index v : triangles) ++starts_[v + 1];
   for (std::size_t v = 0; v < bottom.size(); ++v) starts_[v + 1] += starts_[v];
   std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
@@ -310,11 +307,14 @@ ShellValidity LayerCheck::check_moved(std::span<const Vec3> top, std::span<const
          wall != walls.end() && *wall / 3 == t; ++wall)
       moved.push_back(2 * n + static_cast<Index>(wall - walls.begin()));
   }
+  std::vector<std::size_t> leaves;
   for (const Index part : moved) {
     has_moved_[part] = 1;
-    boxes_[part] = box_of_part(layer_, part);
-    tree_.move(part, boxes_[part]);
+    tree_.move(part, box_of_part(layer_, part));
+    leaves.push_back(tree_.leaf_of(part));
   }
+  std::sort(leaves.begin(), leaves.end());
+  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
   std::vector<char> inverted_here(triangles.size(), 0);
   tbb::parallel_for(std::size_t{0}, triangles.size(),
                     [&](std::size_t i) { inverted_here[i] = is_inverted(layer_, triangles[i], is_inward_); });
@@ -323,7 +323,7 @@ ShellValidity LayerCheck::check_moved(std::span<const Vec3> top, std::span<const
     if (inverted_here[i] != 0) validity.inverted.push_back(triangles[i]);
   }
   ContactSearch search(layer_, progress_);
-  search.beside(tree_, moved, has_moved_, boxes_);
+  search.beside(tree_, leaves, has_moved_);
   search.move_to(validity);
   add_nested_pieces(validity);
   for (const Index part : moved) has_moved_[part] = 0;

@@ -34,7 +34,6 @@ class LayerCheck {
   Progress* progress_;
   std::vector<std::size_t> starts_;  // of each vertex
   std::vector<Index> around_;        // triangles
-  std::vector<BoxTree::Box> boxes_;
   BoxTree tree_;
   std::vector<unsigned char> has_moved_;  // of each part; none outside of `check_moved`
 };
