@@ -103,9 +103,8 @@ std::vector<LpFade> fades_of(const LpTree& tree, double support) {
       fade.squared_full[lane] = full > 0 ? full * full : 0;
       // Of a lane without a child: nowhere.
       fade.squared_end[lane] = tree.nodes[i].mass[lane] > 0 ? end * end : -1;
-      fade.squared_limit[lane] = radius < k_lp_fading_part * support
-                                     ? std::numeric_limits<double>::infinity()
-                                     : fade.squared_full[lane];
+      fade.squared_limit[lane] = radius < k_lp_fading_part * support ? std::numeric_limits<double>::infinity()
+                                                                     : fade.squared_full[lane];
     }
   }
   return fades;
@@ -188,16 +187,16 @@ LpQuery LpField::query_of(const Vec3& point) const {
   constexpr double k_farthest = 1e50;
   if (!(x.cwiseAbs().maxCoeff() < k_farthest))
     throw InputError("a point is too far away from the surface for an averaged distance");
-  return {
-      {x.x(), x.y(), x.z()}, options_.p, 1, support_, options_.error.has_value(), tree_.first_order_left_out()};
+  return {{x.x(), x.y(), x.z()},       options_.p, 1, support_, options_.error.has_value(),
+          tree_.first_order_left_out()};
 }
 
 LpValue LpField::at(const Vec3& point) const {
   LpQuery query = query_of(point);
   const bool is_exact = options_.source == LpSource::triangles;
   if (nearest_) {
-    query.unit = std::sqrt(
-        nearest_->closest(Vec3(query.point[0], query.point[1], query.point[2])).squared_distance);
+    query.unit =
+        std::sqrt(nearest_->closest(Vec3(query.point[0], query.point[1], query.point[2])).squared_distance);
     // Nothing is at a distance of 0 to be relative to: on the surface, or at a point that is left out.
     if (!(query.unit > 0)) {
       if (options_.p >= 2 && is_exact) return {};

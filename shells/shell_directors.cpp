@@ -219,7 +219,9 @@ std::vector<std::size_t> order_in_space(const ShellSurface& surface, std::span<c
     std::uint64_t key = 0;
     const Vec3 at = surface.positions[vertices[i]] - box.min();
     std::array<std::uint64_t, 3> cell{};
-    for (int k = 0; k < 3; ++k) cell[static_cast<std::size_t>(k)] = static_cast<std::uint64_t>(std::clamp(at[k] / sizes[k], 0.0, 1.0) * cells);
+    for (int k = 0; k < 3; ++k)
+      cell[static_cast<std::size_t>(k)] =
+          static_cast<std::uint64_t>(std::clamp(at[k] / sizes[k], 0.0, 1.0) * cells);
     for (int bit = k_bits; bit-- > 0;) {
       for (const std::uint64_t coordinate : cell) key = 2 * key + (coordinate >> bit & 1u);
     }

@@ -9,9 +9,12 @@ namespace recede::detail {
 
 namespace {
 
-constexpr double k_shorter = 0.7, k_longer = 1 / k_shorter;
-constexpr int k_most_rounds = 48;  // what is left of a director is then one part in 30 million
+constexpr double k_shorter = 0.85, k_longer = 1 / k_shorter;
+constexpr int k_most_rounds = 100;  // what is left of a director is then one part in 10 million
 constexpr int k_regrowths = 4;
+// Towards the normal. Neighbours that turn differently invert each other, so only what is at fault however
+// short it gets turns: below a share of its length.
+constexpr double k_straighter = 0.7, k_short = 0.25;
 
 class LayerRepair {
  public:
@@ -38,7 +41,7 @@ class LayerRepair {
       const std::vector<Index> vertices = offenders_of(found);
       for (const Index v : vertices) {
         scales_[v] *= k_shorter;
-        leans_[v] *= k_shorter;
+        if (scales_[v] < k_short) leans_[v] *= k_straighter;
         place(v);
       }
       found = check_.check_moved(layer_.tops, with_slopes(vertices));
@@ -51,7 +54,8 @@ class LayerRepair {
   }
 
  private:
-  // Shorter, and nearer to the normal: a director that leans over one of its triangles is of no length right.
+  // Shorter, and at last nearer to the normal: a director that leans over one of its triangles is of no
+  // length right.
   void place(Index v) {
     const Vec3 &from = surface_.positions[v], director = layer_.traced[v] - from;
     const Vec3 direction =

@@ -35,7 +35,7 @@ class LpField {
   double area_ = 0;     // object units
   double support_ = 0;  // in the frame
   LpTree tree_;
-  std::vector<LpFade> fades_;  // of the tree's nodes, where packets are summed up
+  std::vector<LpFade> fades_;                        // of the tree's nodes, where packets are summed up
   std::unique_ptr<const ClosestPointTree> nearest_;  // unless p = 3
 };
 

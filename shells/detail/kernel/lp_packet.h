@@ -1,5 +1,5 @@
-// Sums within a support for points that lie near to each other: they walk down the tree together, so that what
-// is far is added for several points at once, and asking of a part whether it is costs little.
+// Sums within a support for points that lie near to each other: they walk down the tree together, so that
+// what is far is added for several points at once, and asking of a part whether it is costs little.
 //
 // Each point takes the same parts in the same order as it would alone. So its sums are the same to the last
 // bit whatever the others are, and however many a processor takes at once.
@@ -32,8 +32,8 @@ struct PartTotals {
     const Double reciprocal = Lanes::square_root(inverse);
     Double power = inverse * reciprocal, counted = Lanes::where_set(points, part);
     if constexpr (is_fading) {
-      const Double t = (all(k_lp_fade_end * support) - squared * reciprocal) *
-                       all(1 / ((k_lp_fade_end - 1) * support));
+      const Double t =
+          (all(k_lp_fade_end * support) - squared * reciprocal) * all(1 / ((k_lp_fade_end - 1) * support));
       const Double inside = Lanes::larger_of(Lanes::smaller_of(t, all(1)), all(0));
       const Double weight = inside * inside * (all(3) - all(2) * inside);
       power *= weight;
@@ -175,9 +175,12 @@ void sum_packet(const LpArrays& arrays, const LpFade* fades, const LpQuery* quer
       const LeafTotals& near = walk.totals[lane];
       LpSums& sum = sums[first + lane];
       sum.integral = walk.of_full.value[lane] + walk.of_fading.value[lane] + total(near.value);
-      sum.gradient[0] = walk.of_full.gradient.x[lane] + walk.of_fading.gradient.x[lane] + total(near.gradient.x);
-      sum.gradient[1] = walk.of_full.gradient.y[lane] + walk.of_fading.gradient.y[lane] + total(near.gradient.y);
-      sum.gradient[2] = walk.of_full.gradient.z[lane] + walk.of_fading.gradient.z[lane] + total(near.gradient.z);
+      sum.gradient[0] =
+          walk.of_full.gradient.x[lane] + walk.of_fading.gradient.x[lane] + total(near.gradient.x);
+      sum.gradient[1] =
+          walk.of_full.gradient.y[lane] + walk.of_fading.gradient.y[lane] + total(near.gradient.y);
+      sum.gradient[2] =
+          walk.of_full.gradient.z[lane] + walk.of_fading.gradient.z[lane] + total(near.gradient.z);
       sum.area = walk.of_full.mass[lane] + walk.of_fading.mass[lane] + total(near.mass);
     }
   }
