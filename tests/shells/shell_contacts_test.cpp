@@ -1,4 +1,5 @@
 #include "whole_shells.h"
+#include <recede/shells/detail/layer_check.h>
 #include <recede/shells/detail/simplex_contact.h>
 
 #include <gtest/gtest.h>
@@ -323,6 +324,45 @@ TEST(ShellContacts, AtChangedVerticesAreThoseOfAllRestrictedToThem) {
       found.nested_pieces = expected.nested_pieces;
       EXPECT_EQ(found, expected);
       n += n_contacts(found);
+    }
+  }
+  EXPECT_GT(n, 500u);
+}
+
+TEST(ShellContacts, OfTopsThatMoveAgainAndAgainAreThoseOfAll) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  std::size_t n = 0;
+  for (const auto& named : meshed_layers()) {
+    Layer layer = named.second;
+    SCOPED_TRACE(named.first);
+    detail::LayerCheck check(layer.bottom, layer.top, layer.triangles, false, nullptr);
+    EXPECT_EQ(check.check_all(), test::check(layer));
+    for (int round = 0; round < 5; ++round) {
+      std::vector<Index> changed;
+      for (int i = 0; i < 3 * round; ++i) {
+        const auto v = static_cast<Index>(random() % layer.bottom.size());
+        const double length = (layer.top[v] - layer.bottom[v]).norm();
+        layer.top[v] += length * Vec3(normal(random), normal(random), normal(random));
+        changed.push_back(v);
+      }
+      const auto has = [&](Index triangle) { return has_one_of(layer, triangle, changed); };
+      ShellValidity expected = test::check(layer);
+      std::erase_if(expected.inverted, [&](Index t) { return !has(t); });
+      expected.bottom_contacts.clear();
+      expected.overlapping_neighbours.clear();
+      std::erase_if(expected.top_contacts, [&](const auto& p) { return !has(p.first) && !has(p.second); });
+      std::erase_if(expected.layer_contacts, [&](const auto& p) { return !has(p.second); });
+      std::erase_if(expected.wall_contacts, [&](const WallContact& wall) {
+        const bool is_other_moved = wall.part == ShellPart::wall  ? has(wall.other / 3)
+                                    : wall.part == ShellPart::top ? has(wall.other)
+                                                                  : false;
+        return !has(wall.corner / 3) && !is_other_moved;
+      });
+      const ShellValidity found = check.check_moved(layer.top, changed);
+      EXPECT_EQ(found, expected);
+      n += n_contacts(found);
+      EXPECT_EQ(check.check_all(), test::check(layer));
     }
   }
   EXPECT_GT(n, 500u);
