@@ -22,8 +22,10 @@ constexpr std::size_t k_neighbours = 64;         // followed together
 constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
 
 // Of `ShellOptions::step`.
-constexpr double k_longest_step = 2.5;  // of the thickness
-constexpr double k_largest_turn = 2;    // radians
+constexpr double k_longest_step = 2.5;    // of the thickness
+constexpr double k_largest_turn = 2;      // radians
+constexpr double k_shortest_step = 1e-5;  // of the thickness, for the longest of a path
+constexpr double k_free = 0.97;
 // Of its third power: of the thickness, what a step may be off. Twelve times less is what doubled steps of
 // the second order still keep, and half of that again to spare.
 constexpr double k_largest_error = 4, k_even = 1.0 / 12;
@@ -51,6 +53,8 @@ class FlowField {
     field.support = 2 * *std::max_element(thicknesses.begin(), thicknesses.end());
     averaged_.emplace(with_extended_borders(surface, reaches), field);
   }
+
+  bool is_smooth() const { return !exact_ && is_clamped_; }
 
   // At points near to each other.
   void at_each(std::span<const Vec3> points, std::span<Flow> flows) const {
@@ -86,10 +90,16 @@ class FlowField {
 class DirectorPath {
  public:
   DirectorPath() = default;
-  DirectorPath(const Vec3& start, const Vec3& normal, double thickness, double step)
-      : at_(start), asked_(start + k_first_step * thickness * normal), thickness_(thickness), step_(step) {
-    longest_ = (1 - k_first_step) / std::ceil((1 - k_first_step) / (k_longest_step * step)) * thickness;
-    n_ticks_ = static_cast<int>(std::lround((1 - k_first_step) * thickness / longest_)) * k_longest;
+  // `is_smooth`: nothing that is near goes unnoticed in the field's speed.
+  DirectorPath(const Vec3& start, const Vec3& normal, double thickness, double step, bool is_smooth)
+      : at_(start),
+        asked_(start + k_first_step * thickness * normal),
+        thickness_(thickness),
+        step_(step),
+        is_smooth_(is_smooth) {
+    const double n = std::ceil((1 - k_first_step) / std::max(k_longest_step * step, k_shortest_step));
+    longest_ = (1 - k_first_step) / n * thickness;
+    n_ticks_ = static_cast<int>(n) * k_longest;
   }
 
   bool is_done() const { return is_done_; }
@@ -137,7 +147,8 @@ class DirectorPath {
       const double speed = velocity.norm(), fastest = std::max(1.0, flow_.velocity.norm());
       if (speed > fastest) velocity *= fastest / speed;
       asked_ = at_ + length_ * velocity;
-      if (stride_ == 1 || length_ * fastest <= longest_) return;
+      // A unit vector may be a rounding longer.
+      if (stride_ == 1 || length_ * fastest <= (1 + 1e-9) * longest_) return;
     }
   }
 
@@ -160,6 +171,13 @@ class DirectorPath {
     const bool is_even =
         2 * turn_ <= k_largest_turn * step_ && error_ <= k_even * k_largest_error * step_ * step_ * step_;
     if (is_even && stride_ < k_longest && tick_ % (2 * stride_) == 0) stride_ *= 2;
+    // Of two parallel planes the speed is the difference of their distances over the sum: at 0.97 the other
+    // one is 66 times as far away, out of reach of a last step. So none has to look at what it can't meet.
+    if (is_smooth_ && is_even && tick_ + stride_ == n_ticks_ && flow_.velocity.norm() >= k_free) {
+      predict();
+      at_ = asked_;
+      tick_ = n_ticks_;
+    }
   }
 
   Vec3 at_ = Vec3::Zero(), asked_ = Vec3::Zero(), before_ = Vec3::Zero();
@@ -169,7 +187,7 @@ class DirectorPath {
   int stride_ = k_longest / 2, tick_ = 0, n_ticks_ = 0;  // a step, and time, in shares of the longest step
   std::size_t evaluations_ = 0;
   int n_rejected_ = 0;
-  bool asks_here_ = true, is_done_ = false;
+  bool is_smooth_ = false, asks_here_ = true, is_done_ = false;
 };
 
 // Follows the paths of some of all `ends` side by side, `path_of` each; returns the number of evaluations.
@@ -349,8 +367,8 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
           field, std::span(order).subspan(begin, std::min(k_neighbours, last - begin)),
           [&](std::size_t i) {
             const Index v = vertices[i];
-            return DirectorPath(surface.positions[v], side * surface.normals[v], thicknesses[v],
-                                options.step);
+            return DirectorPath(surface.positions[v], side * surface.normals[v], thicknesses[v], options.step,
+                                field.is_smooth());
           },
           result.ends);
     });
