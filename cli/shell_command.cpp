@@ -1,4 +1,5 @@
 #include "common.h"
+#include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/shells/shell.h>
@@ -14,7 +15,7 @@ struct ShellCommandOptions {
   CommonOptions common;
   std::string input, output;
   ShellOptions shell;
-  std::optional<double> relative_thickness;
+  std::optional<double> relative_thickness, relative_alpha;
   bool no_repair = false;
 };
 
@@ -33,6 +34,9 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
   if (!layer) return nullptr;
   const ShellThickness reached = reached_thickness(shell, *layer);
   return {{"is_valid", layer->validity.is_valid()},
+          {"is_valid_elsewhere", layer->is_valid_elsewhere},
+          {"excused", layer->excused.size()},
+          {"given_up", layer->given_up.size()},
           {"inverted", layer->validity.inverted.size()},
           {"contacts", n_contacts(layer->validity)},
           {"inverted_before", layer->inverted_before},
@@ -45,14 +49,21 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
 
 const ShellLayer& any_layer(const Shell& shell) { return shell.exterior ? *shell.exterior : *shell.interior; }
 
+std::string validity_text(const ShellLayer& layer) {
+  if (layer.validity.is_valid()) return "valid";
+  const std::string faults = fmt::format("{} prisms inverted, {} contacts", layer.validity.inverted.size(),
+                                         n_contacts(layer.validity));
+  return layer.is_valid_elsewhere ? fmt::format(
+                                        "not valid over {} triangles ({}), "
+                                        "valid elsewhere",
+                                        layer.excused.size() + layer.given_up.size(), faults)
+                                  : "not valid: " + faults;
+}
+
 void print_layer(const char* name, const Shell& shell, const std::optional<ShellLayer>& layer) {
   if (!layer) return;
   const ShellThickness reached = reached_thickness(shell, *layer);
-  fmt::print("{:<12} {}; {:.3g} % of the thickness, {:.3g} % at least\n", name,
-             layer->validity.is_valid()
-                 ? "valid"
-                 : fmt::format("not valid: {} prisms inverted, {} contacts", layer->validity.inverted.size(),
-                               n_contacts(layer->validity)),
+  fmt::print("{:<12} {}; {:.3g} % of the thickness, {:.3g} % at least\n", name, validity_text(*layer),
              100 * reached.mean, 100 * reached.least);
   fmt::print("  before     {} prisms inverted, {} contacts; {} directors shortened in {} rounds\n",
              layer->inverted_before, layer->contacts_before, layer->shortened, layer->repair_rounds);
@@ -65,6 +76,10 @@ Built build(ShellCommandOptions& options, Progress* progress) {
   PolygonSoup surface = to_soup(model.read.mesh);
   built.repairs = std::move(model.read.report);
   built.diagonal = bounding_box(surface).diagonal().norm();
+  if (options.relative_alpha) {
+    surface = alpha_wrap(surface, {.alpha = *options.relative_alpha * built.diagonal}, progress);
+    built.diagonal = bounding_box(surface).diagonal().norm();
+  }
   if (options.relative_thickness) options.shell.thickness = *options.relative_thickness * built.diagonal;
   options.shell.repair = !options.no_repair;
   const auto start = std::chrono::steady_clock::now();
@@ -100,7 +115,7 @@ void run(ShellCommandOptions options) {
   progress.clear();
   print_repairs(built.repairs, options.common);
   if (!any_layer(built.shell).validity.has_valid_base())
-    print_remark(options.input + ": the surface meets itself, so that no shell over it is valid",
+    print_remark(options.input + ": the surface meets itself, so that no shell is valid there",
                  options.common);
   if (options.common.json) return print_document(options, built);
   fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));
@@ -160,6 +175,14 @@ void add_shell_command(CLI::App& app) {
       ->add_option("--border-extension", shell.border_extension,
                    "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--wrap", options->relative_alpha,
+          "first puts a closed surface around the model, which may be anything; goes into holes wider "
+          "than this share of the diagonal (0.02)")
+      ->expected(0, 1)
+      ->default_str("0.02")
+      ->check(CLI::Range(1e-4, 1.0));
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

@@ -104,6 +104,10 @@ void bind_shells(py::module_& m) {
           "tops",
           [](const py::object& self) { return rows_of(self.cast<const BuiltLayer&>().layer->tops, self); })
       .def_property_readonly("is_valid", [](const BuiltLayer& l) { return l.layer->validity.is_valid(); })
+      .def_property_readonly("is_valid_elsewhere",
+                             [](const BuiltLayer& l) { return l.layer->is_valid_elsewhere; })
+      .def_property_readonly("excused", [](const BuiltLayer& l) { return l.layer->excused; })
+      .def_property_readonly("given_up", [](const BuiltLayer& l) { return l.layer->given_up; })
       .def_property_readonly("inverted", [](const BuiltLayer& l) { return l.layer->validity.inverted; })
       .def_property_readonly("top_contacts",
                              [](const BuiltLayer& l) { return l.layer->validity.top_contacts; })

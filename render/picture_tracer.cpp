@@ -68,7 +68,7 @@ Rgb PictureTracer::method_color_of(const SeenSurface& surface, const Vec3f& dire
 float PictureTracer::line_factor_at(const RayPacket& packet, int lane, const Hit& hit) const {
   const float pixel = (packet.entry[lane] + hit.distance) * static_cast<float>(rays_.frame().pixel);
   const MeshData& mesh = scene_.meshes[hit.part.object];
-  if (mesh.billboards) return 1;
+  if (mesh.billboards || mesh.volume) return 1;
   return line_factor(mesh, *options_.wireframe, mesh.displaced ? hit_of_base(*mesh.displaced, hit) : hit,
                      packet.directions[lane], pixel);
 }

@@ -6,6 +6,7 @@
 #include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/ground_disc.h>
 #include <recede/render/detail/scene_data.h>
+#include <recede/render/detail/volume_look.h>
 #include <recede/render/scene.h>
 
 #include <tbb/parallel_for.h>
@@ -47,6 +48,13 @@ Box3 box_of(const PlacedBillboards& billboards) {
       for (const Eigen::Affine3d& placement : billboards.placements) box.extend(placement * corner);
     }
   }
+  return box;
+}
+
+Box3 box_of(const PlacedVolume& volume) {
+  const ShellLayer& layer = volume.textured.layer();
+  Box3 box = bounding_box(volume.textured.shell->base);
+  for (const Vec3& top : layer.tops) box.extend(top);
   return box;
 }
 
@@ -171,6 +179,7 @@ RTCGeometry triangle_geometry(RTCDevice device, const Positions& positions, cons
 
 RTCGeometry geometry_of(RTCDevice device, const SceneData& data, const MeshData& mesh, SurfaceShape shape) {
   if (mesh.billboards) return detail::billboard_geometry(device, *mesh.billboards);
+  if (mesh.volume) return detail::volume_geometry(device, *mesh.volume);
   if (!mesh.displaced || shape == SurfaceShape::base)
     return triangle_geometry(device, mesh.positions, mesh.triangles);
   if (shape == SurfaceShape::displaced) return detail::displaced_geometry(device, mesh.displaced->surface);
@@ -265,19 +274,22 @@ SceneData::~SceneData() {
 
 }  // namespace detail
 
-Scene::Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
-             const SceneOptions& options)
-    : data_(std::make_unique<detail::SceneData>()) {
-  if (soups.empty() && billboards.empty()) throw InputError("a scene needs a surface");
+void Scene::build(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
+                  std::span<const PlacedVolume> volumes, const SceneOptions& options) {
+  if (soups.empty() && billboards.empty() && volumes.empty()) throw InputError("a scene needs a surface");
   Box3 box;
   for (const PolygonSoup& soup : soups) {
     if (soup.n_faces() == 0) throw InputError("a surface without faces can't be drawn");
     box.extend(bounding_box(soup));
   }
   std::vector<PolygonSoup> on_ground(soups.begin(), soups.end());
+  std::vector<Box3> without_mesh;
   for (const PlacedBillboards& placed : billboards) {
-    const Box3 around = box_of(placed);
-    if (around.isEmpty()) throw InputError("billboards without any can't be drawn");
+    without_mesh.push_back(box_of(placed));
+    if (without_mesh.back().isEmpty()) throw InputError("billboards without any can't be drawn");
+  }
+  for (const PlacedVolume& placed : volumes) without_mesh.push_back(box_of(placed));
+  for (const Box3& around : without_mesh) {
     box.extend(around);
     on_ground.push_back(corners_of(around));
   }
@@ -286,7 +298,12 @@ Scene::Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboard
   for (const PlacedBillboards& placed : billboards) {
     data_->meshes.emplace_back().billboards =
         std::make_shared<detail::BillboardLook>(placed, data_->center, data_->scale);
-    const Box3 around = box_of(placed);
+  }
+  for (const PlacedVolume& placed : volumes) {
+    data_->meshes.emplace_back().volume =
+        std::make_shared<detail::VolumeLook>(placed, data_->center, data_->scale);
+  }
+  for (const Box3& around : without_mesh) {
     extend_radius(
         data_->scaled(around.min()).cwiseAbs().cwiseMax(data_->scaled(around.max()).cwiseAbs()).norm(),
         *data_);
@@ -295,7 +312,20 @@ Scene::Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboard
   build_embree_scenes(*data_);
 }
 
-Scene::Scene(std::span<const PolygonSoup> soups, const SceneOptions& options) : Scene(soups, {}, options) {}
+Scene::Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
+             const SceneOptions& options)
+    : data_(std::make_unique<detail::SceneData>()) {
+  build(soups, billboards, {}, options);
+}
+
+Scene::Scene(std::span<const PolygonSoup> soups, std::span<const PlacedVolume> volumes,
+             const SceneOptions& options)
+    : data_(std::make_unique<detail::SceneData>()) {
+  build(soups, {}, volumes, options);
+}
+
+Scene::Scene(std::span<const PolygonSoup> soups, const SceneOptions& options)
+    : Scene(soups, std::span<const PlacedBillboards>{}, options) {}
 
 Scene::Scene(const PolygonSoup& soup, const SceneOptions& options)
     : Scene(std::span<const PolygonSoup>(&soup, 1), options) {}

@@ -6,6 +6,7 @@
 #include <recede/render/billboards.h>
 #include <recede/render/displaced_mesh.h>
 #include <recede/render/image.h>
+#include <recede/render/shell_volume.h>
 
 #include <memory>
 #include <optional>
@@ -54,6 +55,9 @@ class Scene {
   /// Models and billboards, of either perhaps none.
   Scene(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
         const SceneOptions& options = {});
+  /// Models and shells with volume textures, of either perhaps none.
+  Scene(std::span<const PolygonSoup> soups, std::span<const PlacedVolume> volumes,
+        const SceneOptions& options = {});
   /// A level of a hierarchy: its billboards, or else its mesh.
   explicit Scene(const LodLevel& level, const SceneOptions& options = {});
   /// A displaced surface, traced without tessellation; colours are those of the base. It is shaded by the
@@ -71,6 +75,8 @@ class Scene {
   const detail::SceneData& data() const { return *data_; }
 
  private:
+  void build(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
+             std::span<const PlacedVolume> volumes, const SceneOptions& options);
   void build_displaced(const PolygonSoup& base, std::shared_ptr<detail::DisplacedLook> look,
                        const SceneOptions& options);
   void build_with_appearance(const PolygonSoup& base, const DisplacementMap& heights, const BakedMaps& maps,

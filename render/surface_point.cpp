@@ -1,6 +1,7 @@
 #include <recede/render/detail/billboard_look.h>
 #include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/surface_point.h>
+#include <recede/render/detail/volume_look.h>
 
 #include <algorithm>
 #include <array>
@@ -70,12 +71,22 @@ SurfaceLook look_of_billboard(const BillboardLook& billboards, const Hit& hit, c
   return look;
 }
 
+/// Transparent matter whose normals differ is as much darker as their mean is short.
+SurfaceLook look_of_volume(const VolumeLook& volume, const Hit& hit, const Vec3f& direction) {
+  const float length = std::min(1.0f, hit.front.norm());
+  SurfaceLook look{length > 0 ? Vec3f(hit.front / hit.front.norm()) : Vec3f(-direction),
+                   length * volume.color_at(hit, direction)};
+  if (look.normal.dot(direction) > 0) look.normal = -look.normal;
+  return look;
+}
+
 }  // namespace
 
 SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& direction,
                     const MethodShares& shares) {
   const MeshData& mesh = scene.meshes[any_hit.part.object];
   if (mesh.billboards) return look_of_billboard(*mesh.billboards, any_hit, direction);
+  if (mesh.volume) return look_of_volume(*mesh.volume, any_hit, direction);
   const Hit hit = mesh.displaced ? hit_of_base(*mesh.displaced, any_hit) : any_hit;
   const std::uint32_t triangle = hit.part.primitive;
   const Vec3f weights(1 - hit.u - hit.v, hit.u, hit.v);
@@ -160,6 +171,11 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();
     if (!mesh.billboards->has_reflectance()) off = k_texels_off * mesh.billboards->texel(hit.part.primitive);
+  } else if (mesh.volume) {
+    // As far as gradients look.
+    point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
+    point.geometric_normal = hit.front.cast<double>().stableNormalized();
+    off = mesh.volume->texel(hit.part.primitive);
   } else if (mesh.displaced && !is_on_base(hit)) {
     point.position = hit.origin.cast<double>() + static_cast<double>(hit.distance) * ray;
     point.geometric_normal = hit.front.cast<double>().stableNormalized();

@@ -49,6 +49,7 @@ std::vector<Index> own_vertices(const LayerBoundary& layer) {
   std::vector<Index> piece_of_vertex(layer.n_vertices(), k_no_index);
   for (std::size_t c = 0; c < layer.triangles.size(); ++c) {
     const Index piece = layer.pieces.piece_of_triangle[c / 3];
+    if (piece == k_no_index) continue;
     Index& known = piece_of_vertex[layer.triangles[c]];
     known = known == k_no_index || known == piece ? piece : k_several;
   }
@@ -69,7 +70,7 @@ void add_layers_around(const LayerBoundary& layer, const BoxTree& tree, Index pi
   crossings.clear();
   tree.visit_ray(point, [&](Index part) {
     const Index other = pieces.piece_of_triangle[layer.triangle(part)];
-    if (other == piece) return;
+    if (other == piece || other == k_no_index) return;
     const int sign = crossing(layer, part, point);
     if (sign != 0) crossings.emplace_back(other, sign);
   });

@@ -40,8 +40,21 @@ void check(const ShellOptions& options, std::size_t n_vertices, double diagonal)
 PolygonSoup triangles_of(const PolygonSoup& surface) {
   validate(surface, "shell");
   if (surface.n_faces() == 0) throw InputError("a shell needs a surface with faces");
-  PolygonSoup base = triangulated(surface);
-  base.corner_normals.clear();
+  std::vector<Index> faces, corners;
+  PolygonSoup base;
+  base.positions = surface.positions;
+  base.corner_vertices = triangulate(surface, &faces, &corners);
+  base.face_offsets.clear();
+  for (std::size_t t = 0; t <= faces.size(); ++t) base.face_offsets.push_back(static_cast<Index>(3 * t));
+  if (!surface.corner_uvs.empty()) {
+    for (const Index corner : corners) base.corner_uvs.push_back(surface.corner_uvs[corner]);
+  }
+  if (!surface.face_materials.empty()) {
+    for (const Index face : faces) base.face_materials.push_back(surface.face_materials[face]);
+  }
+  base.vertex_colors = surface.vertex_colors;
+  base.vertex_scalars = surface.vertex_scalars;
+  base.materials = surface.materials;
   return base;
 }
 

@@ -44,9 +44,19 @@ struct ShellOptions {
 
 /// One layer: from the surface to the ends of the directors.
 struct ShellLayer {
-  std::vector<Vec3> tops{};                              ///< of each vertex: where its director ends
-  std::vector<Vec3> traced{};                            ///< the same before any repair
-  ShellValidity validity{};                              ///< of `tops`; of `traced` without repair
+  std::vector<Vec3> tops{};    ///< of each vertex: where its director ends
+  std::vector<Vec3> traced{};  ///< the same before any repair
+  ShellValidity validity{};    ///< of `tops`; of `traced` without repair
+  /// Triangles over which no layer is valid, ascending: they meet others in the surface, overlap neighbours,
+  /// or have no area; and all around a vertex at which two of its triangles meet beside it, or with no
+  /// direction in front of all its triangles.
+  std::vector<Index> excused{};
+  /// Other triangles beside which repair can't end the faults: sheets that overlap by rounding errors without
+  /// meeting, and other sharpest shapes. Ascending, seldom any.
+  std::vector<Index> given_up{};
+  /// The layer over all but the excused and given up triangles is valid by itself, and doesn't meet that over
+  /// these: all that is wrong is wrong among them.
+  bool is_valid_elsewhere = false;
   std::size_t inverted_before = 0, contacts_before = 0;  ///< prisms and pairs that repair found
   std::size_t shortened = 0;                             ///< directors that repair changed
   int repair_rounds = 0;
@@ -54,7 +64,7 @@ struct ShellLayer {
 };
 
 struct Shell {
-  /// The surface: triangles, with the attributes of the input.
+  /// The surface: triangles, with the attributes of the input but its normals and feature edges.
   PolygonSoup base{};
   std::vector<double> thicknesses{};  ///< that were asked for, of each vertex
   std::optional<ShellLayer> exterior{}, interior{};
@@ -75,8 +85,9 @@ struct Shell {
 ///
 /// With `repair`, directors of prisms that are inverted or meet others are shortened in rounds, and turned
 /// towards the normals where they lean too far, until `check_shell` finds nothing. Where the surface meets
-/// itself, or a vertex has no direction in front of all its faces, no layer is valid: `validity` then says
-/// where.
+/// itself, or a vertex has no direction in front of all its faces, no layer is valid: what such triangles do
+/// among themselves is left as it is, and everything else is repaired. `excused` names them, and `validity`
+/// says all that is wrong with them.
 ///
 /// Same result for any number of threads. Throws `InputError` for a soup that `validate` refuses or without
 /// area, `OptionError` for options out of range or a thickness beyond the diagonal of the surface's box, and

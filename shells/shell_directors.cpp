@@ -1,4 +1,5 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/shells/detail/front_direction.h>
 #include <recede/shells/detail/lp_field.h>
 #include <recede/shells/detail/shell_directors.h>
 #include <recede/shells/detail/shell_pieces.h>
@@ -252,26 +253,6 @@ std::vector<std::size_t> order_in_space(const ShellSurface& surface, std::span<c
   return order;
 }
 
-// The direction whose least cosine with some normals is greatest, about: the axis of the narrowest cone.
-Vec3 axis_of(std::span<const Vec3> normals, Vec3 axis) {
-  constexpr int k_steps = 64;
-  for (int step = 0; step < k_steps; ++step) {
-    const Vec3& farthest =
-        *std::min_element(normals.begin(), normals.end(),
-                          [&](const Vec3& a, const Vec3& b) { return a.dot(axis) < b.dot(axis); });
-    const Vec3 next = axis + (farthest - axis) / (step + 2);
-    if (!(next.norm() > 0)) break;
-    axis = next.normalized();
-  }
-  return axis;
-}
-
-double least_cosine(std::span<const Vec3> normals, const Vec3& direction) {
-  double least = 1;
-  for (const Vec3& normal : normals) least = std::min(least, normal.dot(direction));
-  return least;
-}
-
 }  // namespace
 
 ShellSurface shell_surface_of(std::span<const Vec3> positions, std::span<const Index> triangles) {
@@ -306,7 +287,7 @@ ShellSurface shell_surface_of(std::span<const Vec3> positions, std::span<const I
     normal = normal.norm() > 0 ? normal.normalized() : own.front();
     constexpr double k_clearly = 0.5;
     if (least_cosine(own, normal) >= k_clearly) return;
-    const Vec3 axis = axis_of(own, normal);
+    const Vec3 axis = axis_of_normals(own, normal);
     if (least_cosine(own, axis) > least_cosine(own, normal)) normal = axis;
   });
   return surface;

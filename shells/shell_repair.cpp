@@ -1,17 +1,25 @@
+#include <recede/shells/detail/director_cuts.h>
 #include <recede/shells/detail/layer_check.h>
+#include <recede/shells/detail/shell_excuses.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/shell_repair.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace recede::detail {
 
 namespace {
 
 constexpr double k_shorter = 0.85, k_longer = 1 / k_shorter;
-constexpr int k_most_rounds = 100;  // what is left of a director is then one part in 10 million
+// Sheets a millionth apart, or sharper than that, need other orders of magnitude.
+constexpr int k_gentle_rounds = 50;
+constexpr double k_much_shorter = 0.4;
+// What is left of a director is then one part in 3e13: of anything shorter, rounding decides the direction.
+constexpr int k_most_rounds = 75;
 constexpr int k_regrowths = 4;
+constexpr int k_most_retreats = 4;
 // Towards the normal. Neighbours that turn differently invert each other, so only what is at fault however
 // short it gets turns: below a share of its length.
 constexpr double k_straighter = 0.7, k_short = 0.25;
@@ -22,38 +30,112 @@ class LayerRepair {
       : surface_(surface),
         side_(side),
         layer_(layer),
-        check_(surface.positions, layer.traced, surface.triangles, side < 0, progress),
+        progress_(progress),
         scales_(surface.positions.size(), 1.0),
         leans_(surface.positions.size(), 1.0) {}
 
   void run(bool may_change) {
     layer_.tops = layer_.traced;
-    layer_.validity = check_.check_all();
+    layer_.validity = check_without({});
     layer_.inverted_before = layer_.validity.inverted.size();
     layer_.contacts_before = layer_.validity.top_contacts.size() + layer_.validity.layer_contacts.size() +
                              layer_.validity.wall_contacts.size();
     layer_.shortened = 0;
     layer_.repair_rounds = 0;
-    if (!may_change || layer_.validity.is_valid() || !layer_.validity.has_valid_base()) return;
-    find_neighbours();
-    ShellValidity found = layer_.validity;
-    for (; layer_.repair_rounds < k_most_rounds && !found.is_valid(); ++layer_.repair_rounds) {
-      const std::vector<Index> vertices = offenders_of(found);
-      for (const Index v : vertices) {
-        scales_[v] *= k_shorter;
-        if (scales_[v] < k_short) leans_[v] *= k_straighter;
-        place(v);
+    layer_.excused = find_excused_triangles(surface_, layer_.validity);
+    layer_.given_up.clear();
+    ShellValidity found = layer_.excused.empty() ? layer_.validity : check_without(layer_.excused);
+    if (may_change && !found.is_valid()) {
+      find_neighbours();
+      found = repair(std::move(found));
+      for (int i = 0; i < k_most_retreats && !found.is_valid(); ++i) {
+        found = repair(give_up_on(found));
       }
-      found = check_.check_moved(layer_.tops, with_slopes(vertices));
+      // What was found at the beginning is gone, and what moved was looked at whenever it did.
+      const bool is_sound = found.is_valid() && layer_.excused.empty() && layer_.given_up.empty();
+      layer_.validity = is_sound ? ShellValidity{} : check_shell_as_it_is();
     }
-    if (found.is_valid()) regrow();
-    // What was found at the beginning is gone, and what moved was looked at whenever it did.
-    layer_.validity = found.is_valid() ? ShellValidity{} : check_.check_all();
+    layer_.is_valid_elsewhere = found.is_valid();
     layer_.shortened = static_cast<std::size_t>(
         std::count_if(scales_.begin(), scales_.end(), [](double scale) { return scale < 1; }));
   }
 
  private:
+  // Returns what is left of the faults.
+  ShellValidity repair(ShellValidity found) {
+    cut_at_surface(found);
+    for (int round = 0; round < k_most_rounds && !found.is_valid(); ++round, ++layer_.repair_rounds) {
+      const std::vector<Index> vertices = offenders_of(found);
+      const double share = round < k_gentle_rounds ? k_shorter : k_much_shorter;
+      for (const Index v : vertices) {
+        scales_[v] *= share;
+        if (scales_[v] < k_short) leans_[v] *= k_straighter;
+        place(v);
+      }
+      found = check_->check_moved(layer_.tops, with_slopes(vertices));
+    }
+    if (found.is_valid()) regrow();
+    return found;
+  }
+
+  // Their triangles count as excused from now on, and the rest is repaired from the beginning: all around
+  // them got as short as they. Returns its faults.
+  ShellValidity give_up_on(const ShellValidity& found) {
+    std::vector<Index>& left = layer_.given_up;
+    left.insert(left.end(), found.inverted.begin(), found.inverted.end());
+    for (const ShellValidity::Pairs* pairs : {&found.top_contacts, &found.layer_contacts}) {
+      for (const auto& [a, b] : *pairs) left.insert(left.end(), {a, b});
+    }
+    for (const WallContact& contact : found.wall_contacts) {
+      const bool is_wall = contact.part == ShellPart::wall;
+      left.insert(left.end(), {contact.corner / 3, is_wall ? contact.other / 3 : contact.other});
+    }
+    std::erase_if(
+        left, [&](Index t) { return std::binary_search(layer_.excused.begin(), layer_.excused.end(), t); });
+    std::sort(left.begin(), left.end());
+    left.erase(std::unique(left.begin(), left.end()), left.end());
+    std::vector<Index> all = layer_.excused;
+    all.insert(all.end(), left.begin(), left.end());
+    layer_.tops = layer_.traced;
+    std::fill(scales_.begin(), scales_.end(), 1.0);
+    std::fill(leans_.begin(), leans_.end(), 1.0);
+    return check_without(all);
+  }
+
+  // Tops that all lie beyond the other side of a thin part meet nothing but at its rim, from where rounds
+  // would go on ring by ring. Then finds what is at fault now.
+  void cut_at_surface(ShellValidity& found) {
+    constexpr double k_room = 0.45;   // what is on the other side needs as much
+    constexpr double k_least = 1e-6;  // rounds do what is sharper
+    const std::vector<double> shares = shares_before_surface(surface_, layer_.tops);
+    std::vector<Index> cut;
+    for (Index v = 0; v < shares.size(); ++v) {
+      if (shares[v] >= 1) continue;
+      scales_[v] = std::max(k_room * shares[v], k_least);
+      place(v);
+      cut.push_back(v);
+    }
+    if (cut.empty()) return;
+    // What was at fault before may be so still, whether it moved or not.
+    cut = with_slopes(cut);
+    const std::vector<Index> offenders = offenders_of(found);
+    cut.insert(cut.end(), offenders.begin(), offenders.end());
+    found = check_->check_moved(layer_.tops, cut);
+  }
+
+  // Of the layer as it is, and from now on.
+  ShellValidity check_without(std::span<const Index> excused) {
+    check_.emplace(surface_.positions, layer_.tops, surface_.triangles, excused, side_ < 0, progress_);
+    return check_->check_all();
+  }
+
+  // With what excused triangles do among themselves.
+  ShellValidity check_shell_as_it_is() const {
+    ShellCheckOptions options;
+    options.is_inward = side_ < 0;
+    return check_shell(surface_.positions, layer_.tops, surface_.triangles, options, progress_);
+  }
+
   // Shorter, and at last nearer to the normal: a director that leans over one of its triangles is of no
   // length right.
   void place(Index v) {
@@ -147,7 +229,7 @@ class LayerRepair {
       if (grown.empty()) return;
       // Whatever is found has a part that grew, whose corners go back: that's what there is to look at next.
       std::vector<Index> moved = grown;
-      for (ShellValidity found; !(found = check_.check_moved(layer_.tops, moved)).is_valid();) {
+      for (ShellValidity found; !(found = check_->check_moved(layer_.tops, moved)).is_valid();) {
         moved.clear();
         for (const Index v : offenders_of(found)) {
           if (scales_[v] == before[v]) continue;
@@ -161,7 +243,7 @@ class LayerRepair {
           scales_[v] = before[v];
           place(v);
         }
-        check_.check_moved(layer_.tops, grown);
+        check_->check_moved(layer_.tops, grown);
         break;
       }
     }
@@ -170,7 +252,8 @@ class LayerRepair {
   const ShellSurface& surface_;
   double side_;
   ShellLayer& layer_;
-  LayerCheck check_;
+  Progress* progress_;
+  std::optional<LayerCheck> check_;
   std::vector<double> scales_;  // of lengths
   std::vector<double> leans_;   // 1: as traced, 0: along the normal
   std::vector<std::size_t> starts_;

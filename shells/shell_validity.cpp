@@ -2,6 +2,7 @@
 #include <recede/shells/detail/layer_boundary.h>
 #include <recede/shells/detail/layer_check.h>
 #include <recede/shells/detail/prism.h>
+#include <recede/shells/detail/shell_excuses.h>
 #include <recede/shells/shell_validity.h>
 
 #include <fmt/format.h>
@@ -96,7 +97,7 @@ std::vector<Index> find_inverted(const LayerBoundary& layer, const Selection& se
   std::vector<char> inverted_here(layer.n_triangles(), 0);
   tbb::parallel_for(tbb::blocked_range<Index>(0, layer.n_triangles()), [&](const auto& range) {
     for (Index t = range.begin(); t < range.end(); ++t)
-      inverted_here[t] = selection.has(t) && is_inverted(layer, t, is_inward);
+      inverted_here[t] = selection.has(t) && !layer.is_excused(t) && is_inverted(layer, t, is_inward);
   });
   std::vector<Index> inverted;
   for (Index t = 0; t < layer.n_triangles(); ++t) {
@@ -204,7 +205,8 @@ class ContactSearch {
   }
 
   void test(Index a, Index b, ShellValidity& found) const {
-    if (has_contact(layer_.points, layer_.simplex(a), layer_.simplex(b))) add_contact(layer_, a, b, found);
+    if (layer_.are_compared(a, b) && has_contact(layer_.points, layer_.simplex(a), layer_.simplex(b)))
+      add_contact(layer_, a, b, found);
   }
 
   const LayerBoundary& layer_;
@@ -259,8 +261,9 @@ ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> to
 namespace detail {
 
 LayerCheck::LayerCheck(std::span<const Vec3> bottom, std::span<const Vec3> top,
-                       std::span<const Index> triangles, bool is_inward, Progress* progress)
-    : layer_(layer_of(bottom, top, triangles, {})),
+                       std::span<const Index> triangles, std::span<const Index> excused, bool is_inward,
+                       Progress* progress)
+    : layer_(excusing(layer_of(bottom, top, triangles, {}), excused)),
       is_inward_(is_inward),
       progress_(progress),
       starts_(bottom.size() + 1, 0),
@@ -316,8 +319,9 @@ ShellValidity LayerCheck::check_moved(std::span<const Vec3> top, std::span<const
   std::sort(leaves.begin(), leaves.end());
   leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
   std::vector<char> inverted_here(triangles.size(), 0);
-  tbb::parallel_for(std::size_t{0}, triangles.size(),
-                    [&](std::size_t i) { inverted_here[i] = is_inverted(layer_, triangles[i], is_inward_); });
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+    inverted_here[i] = !layer_.is_excused(triangles[i]) && is_inverted(layer_, triangles[i], is_inward_);
+  });
   ShellValidity validity;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (inverted_here[i] != 0) validity.inverted.push_back(triangles[i]);

@@ -431,6 +431,15 @@ class ShellLayer:
     @property
     def is_valid(self) -> bool: ...
     @property
+    def is_valid_elsewhere(self) -> bool:
+        """All that is wrong is wrong among excused and given up triangles"""
+    @property
+    def excused(self) -> list[int]:
+        """Triangles over which no layer is valid: around places where the surface meets itself"""
+    @property
+    def given_up(self) -> list[int]:
+        """Other triangles beside which repair couldn't end the faults; seldom any"""
+    @property
     def inverted(self) -> list[int]:
         """Triangles whose prisms are inverted"""
     @property

@@ -15,6 +15,7 @@ namespace recede::detail {
 
 class BillboardLook;
 struct DisplacedLook;
+class VolumeLook;
 
 /// A mesh in Embree, the base of a displaced surface there, or billboards. Lengths and places are those of
 /// the scaled scene.
@@ -30,6 +31,7 @@ struct MeshData {
   std::vector<float> longest_sides;                      ///< of the triangles at each vertex
   std::shared_ptr<const DisplacedLook> displaced = {};   ///< null: the triangles themselves are drawn
   std::shared_ptr<const BillboardLook> billboards = {};  ///< set: drawn instead, and there are no triangles
+  std::shared_ptr<const VolumeLook> volume = {};         ///< likewise
 
   Vec3 position(std::uint32_t vertex) const {
     return Eigen::Vector3f(positions[vertex].data()).cast<double>();

@@ -13,11 +13,15 @@ namespace recede::detail {
 
 /// What `check_shell` finds, without finding out anew what doesn't change: how the mesh is connected, and
 /// where its bottom meets itself. Boxes follow the tops in the same tree.
+///
+/// With excused triangles it says nothing of what these do among themselves, but all of the rest: whether it
+/// is valid by itself, with walls around what is left out, and where it meets what is left out. Pieces are
+/// those of the rest: of what meets itself, a ray tells nothing.
 class LayerCheck {
  public:
   /// Positions and triangles are referred to. Throws as `check_shell`.
   LayerCheck(std::span<const Vec3> bottom, std::span<const Vec3> top, std::span<const Index> triangles,
-             bool is_inward, Progress* progress);
+             std::span<const Index> excused, bool is_inward, Progress* progress);
 
   /// All of it.
   ShellValidity check_all() const;

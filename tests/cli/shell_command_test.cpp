@@ -1,5 +1,6 @@
 #include "run_recede.h"
 #include "temp_folder.h"
+#include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/mesh_io.h>
 
 #include <gmock/gmock.h>
@@ -40,7 +41,27 @@ TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
   const CommandResult run = run_recede({"shell", folder / "cross.obj", "--thickness", "0.1"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.remarks, HasSubstr("meets itself"));
-  EXPECT_THAT(run.output, HasSubstr("not valid"));
+  EXPECT_THAT(run.output, HasSubstr("not valid over 2 triangles"));
+  const nlohmann::json result =
+      json_of(run_recede({"shell", folder / "cross.obj", "--thickness", "0.1", "--json"}));
+  EXPECT_FALSE(result["is_valid"]);
+  EXPECT_EQ(result["exterior"]["excused"], 2);
+  EXPECT_TRUE(result["exterior"]["is_valid_elsewhere"]);
+}
+
+TEST(ShellCommand, WrapsWhatMeetsItself) {
+  const TempFolder folder;
+  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+  const CommandResult run =
+      run_recede({"shell", folder / "cross.obj", "--thickness", "0.1", "--json", "--wrap", "0.05"});
+  if (!can_alpha_wrap()) {
+    EXPECT_THAT(complaint_of(run, 2), HasSubstr("RECEDE_CGAL_GPL"));
+    return;
+  }
+  EXPECT_TRUE(json_of(run)["is_valid"]);
+  EXPECT_GT(json_of(run)["triangles"], 100);
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--wrap", "2"}), 2),
+              HasSubstr("--wrap"));
 }
 
 TEST(ShellCommand, SaysWhatCantBe) {

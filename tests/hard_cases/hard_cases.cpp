@@ -12,10 +12,6 @@
 #include <random>
 
 namespace recede::test {
-namespace {
-
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 void append(PolygonSoup& to, const PolygonSoup& part) {
   const auto first = static_cast<Index>(to.positions.size());
@@ -32,18 +28,6 @@ PolygonSoup transformed(PolygonSoup soup, double scale, const Vec3& offset) {
   return soup;
 }
 
-PolygonSoup cube(const Vec3& corner, double size) {
-  PolygonSoup soup;
-  for (int i = 0; i < 8; ++i) soup.positions.push_back(corner + size * Vec3(i & 1, i >> 1 & 1, i >> 2));
-  for (const auto& q : std::vector<std::vector<Index>>{
-           {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
-    soup.add_face(std::vector<Index>{q[0], q[1], q[2]});
-    soup.add_face(std::vector<Index>{q[0], q[2], q[3]});
-  }
-  return soup;
-}
-
-/// Faces that share no vertex.
 PolygonSoup unwelded(const PolygonSoup& soup) {
   PolygonSoup result;
   for (std::size_t f = 0; f < soup.n_faces(); ++f) {
@@ -66,13 +50,47 @@ PolygonSoup with_duplicates(PolygonSoup soup) {
   return soup;
 }
 
-/// Triangles over an edge and its middle: no area, but a neighbour.
 PolygonSoup with_caps(PolygonSoup soup) {
   const std::size_t n = soup.n_faces();
   for (std::size_t f = 0; f < n; f += 11) {
     const Index a = soup.face(f)[0], b = soup.face(f)[1];
     soup.positions.push_back(0.5 * (soup.positions[a] + soup.positions[b]));
     soup.add_face(std::vector<Index>{a, b, static_cast<Index>(soup.positions.size() - 1)});
+  }
+  return soup;
+}
+
+PolygonSoup with_fins(PolygonSoup soup) {
+  const std::size_t n = soup.n_faces();
+  for (std::size_t f = 0; f < n; f += 50) {
+    const Index a = soup.face(f)[0], b = soup.face(f)[1];
+    soup.positions.push_back(1.2 * soup.positions[a]);
+    soup.add_face(std::vector<Index>{a, b, static_cast<Index>(soup.positions.size() - 1)});
+  }
+  return soup;
+}
+
+PolygonSoup with_holes(const PolygonSoup& soup) {
+  PolygonSoup result;
+  result.positions = soup.positions;
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    if (f % 37 != 0) result.add_face(soup.face(f));
+  }
+  return result;
+}
+
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+PolygonSoup cube(const Vec3& corner, double size) {
+  PolygonSoup soup;
+  for (int i = 0; i < 8; ++i) soup.positions.push_back(corner + size * Vec3(i & 1, i >> 1 & 1, i >> 2));
+  for (const auto& q : std::vector<std::vector<Index>>{
+           {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+    soup.add_face(std::vector<Index>{q[0], q[1], q[2]});
+    soup.add_face(std::vector<Index>{q[0], q[2], q[3]});
   }
   return soup;
 }
@@ -106,26 +124,6 @@ PolygonSoup bow_tie() {
   for (Vec3& p : other.positions) p = shift - p;
   append(soup, other);
   return soup;
-}
-
-PolygonSoup fins() {
-  PolygonSoup soup = make_displaced_sphere(1000, true);
-  const std::size_t n = soup.n_faces();
-  for (std::size_t f = 0; f < n; f += 50) {
-    const Index a = soup.face(f)[0], b = soup.face(f)[1];
-    soup.positions.push_back(1.2 * soup.positions[a]);
-    soup.add_face(std::vector<Index>{a, b, static_cast<Index>(soup.positions.size() - 1)});
-  }
-  return soup;
-}
-
-PolygonSoup with_holes(PolygonSoup soup) {
-  PolygonSoup result;
-  result.positions = soup.positions;
-  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
-    if (f % 37 != 0) result.add_face(soup.face(f));
-  }
-  return result;
 }
 
 PolygonSoup with_coordinate(PolygonSoup soup, double value) {
@@ -286,7 +284,8 @@ std::vector<HardCase> hard_cases() {
   add("duplicate_polygons", "sphere with every seventh face twice", with_duplicates(ball));
   add("concave_polygons", "combs of 83 corners, bent out of the plane", concave_polygons());
   add("prism_of_large_polygons", "prism over a polygon of 100 sides", prism(100));
-  add("three_faces_at_an_edge", "sphere with fins on some edges", fins());
+  add("three_faces_at_an_edge", "sphere with fins on some edges",
+      with_fins(make_displaced_sphere(1000, true)));
   add("bow_tie", "two spheres that meet in one vertex", bow_tie());
   add("wound_wrong", "sphere, a third of the faces flipped",
       wound_wrong(make_displaced_sphere(3000, true), 1));

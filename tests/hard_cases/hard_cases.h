@@ -33,6 +33,15 @@ PolygonSoup wound_wrong(const PolygonSoup& soup, Index seed);  ///< a third of t
 PolygonSoup double_sided_sheet(Index n);                       ///< every face twice, in both orientations
 PolygonSoup touching_boxes();                                  ///< two closed boxes with a common wall
 
+// Ways to spoil a mesh.
+void append(PolygonSoup& to, const PolygonSoup& part);  ///< that shares nothing with it
+PolygonSoup transformed(PolygonSoup soup, double scale, const Vec3& offset);
+PolygonSoup unwelded(const PolygonSoup& soup);    ///< faces that share no vertex
+PolygonSoup with_duplicates(PolygonSoup soup);    ///< every seventh face twice
+PolygonSoup with_caps(PolygonSoup soup);          ///< triangles over edges and their middles, without area
+PolygonSoup with_fins(PolygonSoup soup);          ///< third faces at edges, outwards from the origin
+PolygonSoup with_holes(const PolygonSoup& soup);  ///< without every 37th face
+
 /// Vertices and faces in another order, and faces that start elsewhere; the same surface.
 PolygonSoup shuffled(const PolygonSoup& soup, unsigned seed);
 

@@ -465,6 +465,7 @@ def test_a_shell_is_valid_and_says_how_thick_it_is():
     for layer in (shell.exterior, shell.interior):
         assert layer.is_valid and layer.tops.shape == shell.base.positions.shape
         assert layer.inverted == [] and layer.top_contacts == [] and layer.base_contacts == []
+        assert layer.is_valid_elsewhere and layer.excused == [] and layer.given_up == []
         least, mean, most = layer.thickness
         assert 0 < least <= mean <= most <= 1.01
     assert shell.boundary.n_faces == 2 * shell.base.n_faces

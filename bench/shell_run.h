@@ -1,0 +1,44 @@
+// Shells measured: the field that they grow along, their directors, and layers of real and of bad models.
+#pragma once
+
+#include "bench_run.h"
+#include <recede/shells/shell.h>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace recede::bench {
+
+/// What a section of the run found: a text with a table, and an object for each of its rows.
+struct ShellSection {
+  std::string markdown;
+  std::vector<nlohmann::json> rows;
+};
+
+/// Errors of the field and its speed by opening, and how the time of an evaluation grows with triangles.
+ShellSection measure_shell_field(const BenchOptions& options);
+
+/// Inverted prisms before any repair along normals, the gradient of the exact distance and that of the
+/// averaged one: shapes of the specification's table 2.9.
+ShellSection measure_shell_directors(const BenchOptions& options);
+
+/// Layers over all closed models in the folder that have at most 100 000 triangles, beside the thickness up
+/// to which plain displacement along normals is valid.
+ShellSection measure_shell_models(const BenchOptions& options);
+
+/// Layers over sixteen spoilt variants of one mesh.
+ShellSection measure_shell_torture(const BenchOptions& options);
+
+/// The layer of a shell that has one.
+const ShellLayer& only_layer(const Shell& shell);
+
+/// Valid, valid but over some triangles, or what is wrong.
+std::string verdict_of(const ShellLayer& layer);
+
+/// Runs all sections and writes shells.md and shells.jsonl, an object a line, into `options.out`.
+/// `options.systems` chooses sections, `options.models` models. Returns the text.
+std::string shell_tables(const BenchOptions& options);
+
+}  // namespace recede::bench

@@ -1,0 +1,75 @@
+// Trilinear samples of volume textures, for inner loops.
+#pragma once
+
+#include <recede/shells/volume_texture.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+namespace recede::detail {
+
+/// The eight texels around a place, and how near it is to the later ones.
+struct VolumeCell {
+  std::array<std::size_t, 8> texels;  ///< bit 0: later along s, bit 1: along t, bit 2: along r
+  Vec3 share;
+
+  template <typename Value>
+  auto blend(Value&& value) const {
+    // Not what Eigen makes of sums, which refers to what is gone by then.
+    using Number = std::decay_t<decltype(value(std::size_t{0}))>;
+    const double u = share.x(), v = share.y(), w = share.z();
+    const auto row = [&](std::size_t first) -> Number {
+      return (1 - u) * value(texels[first]) + u * value(texels[first + 1]);
+    };
+    const Number before = (1 - v) * row(0) + v * row(2), behind = (1 - v) * row(4) + v * row(6);
+    return Number((1 - w) * before + w * behind);
+  }
+};
+
+/// The texel before a place and the one behind it, of `size` along an axis, and the share of the second.
+struct VolumeAxis {
+  int before, behind;
+  double share;
+
+  VolumeAxis(double place, int size, bool is_periodic) {
+    const double turns = is_periodic ? place - std::floor(place) : place;
+    const double at = std::clamp(turns * size - 0.5, -1.0, static_cast<double>(size));
+    const double whole = std::floor(at);
+    share = at - whole;
+    before = static_cast<int>(whole);
+    behind = before + 1;
+    if (is_periodic) {
+      if (before < 0) before = size - 1;
+      if (behind >= size) behind = 0;
+      if (before >= size) before = 0;
+    } else {
+      before = std::clamp(before, 0, size - 1);
+      behind = std::clamp(behind, 0, size - 1);
+    }
+  }
+};
+
+inline VolumeCell volume_cell(const std::array<int, 3>& size, bool is_periodic, const Vec3& place) {
+  const VolumeAxis s(place.x(), size[0], is_periodic), t(place.y(), size[1], is_periodic),
+      r(place.z(), size[2], false);
+  const auto row = static_cast<std::size_t>(size[0]), layer = row * static_cast<std::size_t>(size[1]);
+  const std::size_t s0 = static_cast<std::size_t>(s.before), s1 = static_cast<std::size_t>(s.behind),
+                    t0 = row * static_cast<std::size_t>(t.before),
+                    t1 = row * static_cast<std::size_t>(t.behind),
+                    r0 = layer * static_cast<std::size_t>(r.before),
+                    r1 = layer * static_cast<std::size_t>(r.behind);
+  return {{s0 + t0 + r0, s1 + t0 + r0, s0 + t1 + r0, s1 + t1 + r0, s0 + t0 + r1, s1 + t0 + r1, s0 + t1 + r1,
+           s1 + t1 + r1},
+          {s.share, t.share, r.share}};
+}
+
+/// 0 to 1.
+inline double sampled_opacity(const VolumeTexture& texture, const Vec3& place) {
+  const std::uint8_t* opacity = texture.opacity.data();
+  return volume_cell(texture.size, texture.is_periodic, place).blend([opacity](std::size_t texel) {
+    return static_cast<double>(opacity[texel]);
+  }) * (1 / 255.0);
+}
+
+}  // namespace recede::detail

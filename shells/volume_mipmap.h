@@ -1,0 +1,69 @@
+// Smaller versions of volume textures for the distance: as surfaces while these keep their shape, then as
+// transparent matter that covers as much.
+#pragma once
+
+#include <recede/shells/volume_texture.h>
+
+namespace recede {
+
+/// A level whose texels let a share of the light through. What lies in a row along an axis hides itself,
+/// which each axis knows from the finest level.
+struct TransparentVolume {
+  std::array<int, 3> size{0, 0, 0};
+  /// Share of the rays along s, along t and along r that a texel stops, in 255ths.
+  std::vector<std::array<std::uint8_t, 3>> opacity{};
+  /// How normals are spread: the symmetric matrix Q^-1 of an ellipsoid m' Q m = 1 whose longest axis is 1,
+  /// entries 11, 22, 33, 12, 13, 23, -1 to 1 as 0 to 255. In lengths of `VolumeTexture::extent` along s, t,
+  /// r.
+  std::vector<std::array<std::uint8_t, 6>> normals{};
+  std::vector<std::array<std::uint8_t, 3>> colors{};  ///< sRGB-encoded, as the texture has them
+  /// How alike the holes of texels in a row along s, t and r are: 0 not at all, 1 the same.
+  Vec3 correlation = Vec3::Zero();
+
+  std::size_t texel(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(size[0]) *
+               (static_cast<std::size_t>(j) +
+                static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
+  }
+  /// The texel around a place (s, t, r).
+  std::size_t texel_at(const Vec3& place, bool is_periodic) const;
+  /// Opacity along a unit direction: that of the axes by the squares of its coordinates.
+  double opacity_along(std::size_t texel, const Vec3& direction) const;
+};
+
+struct MipmapOptions {
+  /// The last level of surfaces keeps this share of the finest one's volume and of its outlines along each
+  /// axis, and the inverse at most; 0 to 1.
+  double least_share = 0.75;
+  /// Half-length of the third axis of the ellipsoid of a flat piece of surface, above 0 and at most 1.
+  double flatness = 0.08;
+};
+
+/// Sizes halve from level to level, rounded up, until each is 1.
+struct VolumeMipmap {
+  std::vector<VolumeTexture> surfaces{};  ///< level 0, 1, ... last
+  /// Level `surfaces.size() - 1`, which so is there twice, and those behind it.
+  std::vector<TransparentVolume> transparent{};
+
+  int first_transparent() const { return static_cast<int>(surfaces.size()) - 1; }
+  int n_levels() const { return first_transparent() + static_cast<int>(transparent.size()); }
+};
+
+/// Peng 2004, chapter 6 and appendix B, with two changes: opacity along an axis is that of the finest texels,
+/// row by row, instead of pairs of pairs; and correlation is fitted to rows of up to four texels.
+/// Throws `InputError` for a texture that `validate` refuses, `OptionError` for options out of range.
+VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& options = {});
+
+/// Of two texels in a row: with a correlation of 0 as if holes were at random, with 1 the larger one; falling
+/// between.
+double opacity_in_row(double first, double second, double correlation);
+
+/// Q^-1 of normals, from -1 to 1.
+Eigen::Matrix3d normal_matrix(const std::array<std::uint8_t, 6>& bytes);
+
+/// The mean of the unit normals of an ellipsoid that are seen along a unit direction, from nine places on its
+/// outline's disc: the shorter, the more normals differ.
+Vec3 mean_normal_along(const Eigen::Matrix3d& inverse, const Vec3& direction);
+
+}  // namespace recede

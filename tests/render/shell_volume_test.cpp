@@ -1,0 +1,180 @@
+#include <recede/geometry/error.h>
+#include <recede/render/image_difference.h>
+#include <recede/render/renderer.h>
+#include <recede/shells/procedural_volumes.h>
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace {
+
+using namespace recede;
+
+/// A square of sides 2 around the origin, z up, cut into n x n quads, with texture coordinates from 0 to 1.
+PolygonSoup square(int n) {
+  PolygonSoup soup;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) soup.positions.emplace_back(2.0 * i / n - 1, 2.0 * j / n - 1, 0);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const auto at = [&](int di, int dj) { return static_cast<Index>((j + dj) * (n + 1) + i + di); };
+      soup.add_face(std::array{at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
+      for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
+        soup.corner_uvs.emplace_back((i + di) * 1.0 / n, (j + dj) * 1.0 / n);
+    }
+  }
+  return soup;
+}
+
+PlacedVolume placed(const PolygonSoup& base, const VolumeTexture& texture, double thickness,
+                    const Vec2& repeat) {
+  PlacedVolume volume;
+  volume.textured.shell = std::make_shared<const Shell>(
+      build_shell(base, {.thickness = thickness, .method = DirectorMethod::normals}));
+  volume.textured.texture = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
+  volume.textured.coordinates.repeat = repeat;
+  return volume;
+}
+
+Image picture(const PlacedVolume& volume, const Camera& camera, int samples) {
+  const Scene scene({}, std::span<const PlacedVolume>(&volume, 1));
+  return render(scene, camera, {.samples_per_pixel = samples, .background = Rgb::Zero(), .camera_light = {}});
+}
+
+Rgb mean_of(const Image& image) {
+  Rgb sum = Rgb::Zero();
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) sum += image.at(x, y);
+  return sum / static_cast<float>(image.width * image.height);
+}
+
+// A ball in each of 2 x 2 periods, in a layer as thick as a period is wide, is seen where balls would be.
+TEST(ShellVolume, ShowsBallsWhereTheyAre) {
+  const VolumeTexture texture =
+      make_volume([](const Vec3& point) { return 0.3 - (point - Vec3(0.5, 0.5, 0.5)).norm(); },
+                  {.size = {48, 48, 48}, .extent = Vec3::Ones()});
+  const PlacedVolume volume = placed(square(3), texture, 1, {2, 2});
+  const Camera camera{.position = {0.3, -4, 5}, .target = {0, 0, 0.5}, .width = 160, .height = 160};
+  const Image image = picture(volume, camera, 1);
+  const CameraFrame frame = frame_of(camera);
+  int wrong = 0, inside = 0;
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Vec3 direction = frame.direction(x + 0.5, y + 0.5);
+      double nearest = 10;
+      for (const Vec3& center :
+           {Vec3(-0.5, -0.5, 0.5), Vec3(0.5, -0.5, 0.5), Vec3(-0.5, 0.5, 0.5), Vec3(0.5, 0.5, 0.5)}) {
+        const Vec3 off = center - frame.position;
+        nearest = std::min(nearest, (off - off.dot(direction) * direction).norm());
+      }
+      const bool is_hit = image.at(x, y).sum() > 0;
+      inside += is_hit ? 1 : 0;
+      // Samples aren't at pixels' middles, and the texture is off by less than a hundredth at the surface:
+      // pixels within 0.03 of an outline count for neither.
+      if (std::abs(nearest - 0.3) > 0.03 && is_hit != (nearest < 0.3)) ++wrong;
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(inside, 1000);
+}
+
+// The same texture on few large and many small triangles: walls between prisms can't be seen.
+TEST(ShellVolume, HasNoSeamsBetweenPrisms) {
+  const VolumeTexture texture = make_volume(weave(), 32);
+  const Camera camera{.position = {0.4, -3, 2}, .target = {0, 0, 0}, .width = 120, .height = 120};
+  const Image coarse = picture(placed(square(1), texture, 0.3, {4, 4}), camera, 1),
+              fine = picture(placed(square(16), texture, 0.3, {4, 4}), camera, 1);
+  int differ = 0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+      if ((coarse.at(x, y) - fine.at(x, y)).cwiseAbs().maxCoeff() > 0.02f) ++differ;
+  // Rays that just touch a thread may miss or meet it, as steps begin elsewhere.
+  EXPECT_LE(differ, camera.width * camera.height / 500);
+}
+
+// Normals are those of a ball, as well in a layer that points inwards.
+TEST(ShellVolume, ShadesByTheGradientOnBothSides) {
+  const VolumeTexture texture =
+      make_volume([](const Vec3& point) { return 0.3 - (point - Vec3(0.5, 0.5, 0.5)).norm(); },
+                  {.size = {64, 64, 64}, .extent = Vec3::Ones()});
+  for (const ShellSide side : {ShellSide::exterior, ShellSide::interior}) {
+    PlacedVolume volume = placed(square(2), texture, 1, {2, 2});
+    volume.textured.shell = std::make_shared<const Shell>(
+        build_shell(square(2), {.thickness = 1, .side = side, .method = DirectorMethod::normals}));
+    volume.textured.side = side;
+    volume.color = Rgb::Ones();
+    const double height = side == ShellSide::exterior ? 0.5 : -0.5;
+    const Camera camera{.position = {0.5, 0.5, 6},
+                        .target = {0.5, 0.5, 0},
+                        .up = Vec3::UnitY(),
+                        .field_of_view = 0.1,
+                        .width = 64,
+                        .height = 64};
+    RenderOptions options{.samples_per_pixel = 1, .background = Rgb::Zero()};
+    options.transport = LightTransport::direct;
+    options.lighting = {.directionals = {{.toward = Vec3(0.6, 0, 0.8),
+                                          .irradiance = Rgb::Constant(static_cast<float>(std::numbers::pi))}},
+                        .ambient = 0};
+    const Scene scene({}, std::span<const PlacedVolume>(&volume, 1));
+    const Image image = render(scene, camera, options);
+    const CameraFrame frame = frame_of(camera);
+    int checked = 0;
+    for (int y = 4; y < 64; y += 4) {
+      for (int x = 4; x < 64; x += 4) {
+        const Vec3 direction = frame.direction(x + 0.5, y + 0.5);
+        const Vec3 from_center = frame.position - Vec3(0.5, 0.5, height);
+        const double b = from_center.dot(direction), c = from_center.squaredNorm() - 0.09;
+        if (b * b - c < 0.02) continue;  // near the outline normals turn fast
+        const Vec3 normal = (from_center + (-b - std::sqrt(b * b - c)) * direction) / 0.3;
+        const double lit = normal.dot(Vec3(0.6, 0, 0.8));
+        if (lit < 0.1) continue;
+        // Pixels are 0.01 wide, over which normals turn by 2 degrees; rounding turns them by a degree.
+        EXPECT_NEAR(static_cast<double>(image.at(x, y).x()), lit, 0.05) << x << " " << y;
+        ++checked;
+      }
+    }
+    EXPECT_GT(checked, 60);
+  }
+}
+
+// Far away, a sheet is as opaque and as bright as its finest texture seen with many samples.
+TEST(ShellVolume, FarAwayIsAsOpaqueAsNearBy) {
+  for (const ProceduralVolume& procedural : {chain_mail(), weave()}) {
+    const VolumeTexture texture = make_volume(procedural, 64);
+    const double thickness = 2.0 / 8 * procedural.extent.z() / procedural.extent.x();
+    PlacedVolume volume =
+        placed(square(2), texture, thickness, {8, 8 * procedural.extent.x() / procedural.extent.y()});
+    const Camera camera{.position = {0, 0, 10},
+                        .target = Vec3::Zero(),
+                        .up = Vec3::UnitY(),
+                        .field_of_view = 0.1,
+                        .width = 48,
+                        .height = 48};
+    const Rgb reference = mean_of(picture(volume, camera, 256));
+    for (int level = 0; level <= 6; ++level) {
+      // As if pixels were as wide as texels of that level.
+      const double texel = 2.0 / 8 / 64 * std::pow(2.0, level);
+      volume.view = VolumeView{{0, 0, 1000}, texel / 1000};
+      const Rgb mean = mean_of(picture(volume, camera, 64));
+      EXPECT_NEAR(static_cast<double>(mean.sum() / reference.sum()), 1, 0.03) << level;
+    }
+  }
+}
+
+TEST(ShellVolume, IsTheSameForAnyNumberOfThreadsAndRefusesWhatIsMissing) {
+  PlacedVolume volume = placed(square(2), make_volume(weave(), 16), 0.2, {4, 4});
+  const Camera camera{.position = {0, -3, 2}, .target = Vec3::Zero(), .width = 40, .height = 40};
+  volume.view = VolumeView{{0, 0, 1000}, 1e-4};
+  EXPECT_EQ(picture(volume, camera, 4).pixels, picture(volume, camera, 4).pixels);
+  volume.textured.side = ShellSide::interior;
+  EXPECT_THROW(picture(volume, camera, 1), InputError);
+  volume.textured.side = ShellSide::exterior;
+  Shell bare = *volume.textured.shell;
+  bare.base.corner_uvs.clear();
+  volume.textured.shell = std::make_shared<const Shell>(bare);
+  EXPECT_THROW(picture(volume, camera, 1), InputError);
+}
+
+}  // namespace
