@@ -167,8 +167,14 @@ class LayerRepair {
       if (contact.part == ShellPart::wall) add_wall(contact.other);
     }
     if (!found.nested_pieces.empty()) {
-      // Seldom, and all of a piece is at fault: everything gets shorter.
-      for (std::size_t t = 0; 3 * t < surface_.triangles.size(); ++t) add_corners(t);
+      // All of both pieces is at fault.
+      const std::vector<Index>& piece_of = check_->pieces().piece_of_triangle;
+      std::vector<unsigned char> is_nested(check_->pieces().n_pieces(), 0);
+      for (const auto& [inner, outer] : found.nested_pieces)
+        is_nested[piece_of[inner]] = is_nested[piece_of[outer]] = 1;
+      for (std::size_t t = 0; t < piece_of.size(); ++t) {
+        if (piece_of[t] != k_no_index && is_nested[piece_of[t]] != 0) add_corners(t);
+      }
     }
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());

@@ -23,6 +23,9 @@ class LayerCheck {
   LayerCheck(std::span<const Vec3> bottom, std::span<const Vec3> top, std::span<const Index> triangles,
              std::span<const Index> excused, bool is_inward, Progress* progress);
 
+  /// Triangles that are excused have none.
+  const ShellPieces& pieces() const { return layer_.pieces; }
+
   /// All of it.
   ShellValidity check_all() const;
 
