@@ -71,11 +71,10 @@ SurfaceLook look_of_billboard(const BillboardLook& billboards, const Hit& hit, c
   return look;
 }
 
-/// Transparent matter whose normals differ is as much darker as their mean is short.
 SurfaceLook look_of_volume(const VolumeLook& volume, const Hit& hit, const Vec3f& direction) {
-  const float length = std::min(1.0f, hit.front.norm());
-  SurfaceLook look{length > 0 ? Vec3f(hit.front / hit.front.norm()) : Vec3f(-direction),
-                   length * volume.color_at(hit, direction)};
+  const float length = hit.front.norm();
+  SurfaceLook look{length > 0 ? Vec3f(hit.front / length) : Vec3f(-direction),
+                   volume.color_at(hit, direction), std::min(length, 1.0f)};
   if (look.normal.dot(direction) > 0) look.normal = -look.normal;
   return look;
 }
@@ -120,7 +119,8 @@ double facing(const SurfaceLook& look, const Vec3& toward_light) {
     return all > 0 ? std::numbers::pi * static_cast<double>(look.billboard.value(toward_light).sum()) / all
                    : 0;
   }
-  const double by_normal = std::max(0.0, look.normal.cast<double>().dot(toward_light));
+  const double by_normal =
+      static_cast<double>(look.normal_length) * std::max(0.0, look.normal.cast<double>().dot(toward_light));
   const MethodLook& method = look.method;
   if (method.appearance == nullptr) return by_normal;
   const Vec3 light = method.frame.to_local(toward_light);
@@ -137,7 +137,7 @@ double facing(const SurfaceLook& look, const Vec3& toward_light) {
 Vec3 mean_normal(const SurfaceLook& look) {
   const MethodLook& method = look.method;
   const double share = method.shares.table;
-  if (method.appearance == nullptr || share == 0) return look.normal.cast<double>();
+  if (method.appearance == nullptr || share == 0) return (look.normal_length * look.normal).cast<double>();
   return (1 - share) * look.normal.cast<double>() +
          share * method.frame.to_world(method.appearance->mean_normal(method.toward_viewer));
 }
@@ -190,6 +190,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
   point.normal = look.normal.cast<double>().stableNormalized();
   if (!(point.normal.squaredNorm() > 0.5)) point.normal = point.geometric_normal;
   point.albedo = look.albedo;
+  point.normal_length = static_cast<double>(look.normal_length);
   point.method = look.method;
   point.billboard = look.billboard;
   point.target = {shares.is_on_base() ? SurfaceShape::base : SurfaceShape::displaced,
@@ -201,7 +202,7 @@ SurfacePoint surface_point(const SceneData& scene, const Hit& hit, const Vec3f& 
 namespace {
 
 double scattered_by_normal(const SurfacePoint& point, const Vec3& toward) {
-  return std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
+  return point.normal_length * std::max(0.0, point.normal.dot(toward)) / std::numbers::pi;
 }
 
 double table_share(const SurfacePoint& point) {
@@ -273,7 +274,7 @@ bool sample_scattering(const SurfacePoint& point, const Vec2& random, ScatterSam
   if (!(point.geometric_normal.dot(sample.direction) > 0)) return false;
   if (method.appearance == nullptr) {
     sample.density = std::sqrt(1 - random.x()) / std::numbers::pi;
-    sample.weight = point.albedo;
+    sample.weight = static_cast<float>(point.normal_length) * point.albedo;
     return sample.density > 0;
   }
   sample.density = scattering_density(point, sample.direction);
@@ -286,7 +287,7 @@ double scattering_density(const SurfacePoint& point, const Vec3& toward) {
   if (point.billboard.tables != nullptr) return k_sphere_density;
   const MethodLook& method = point.method;
   const double share = table_share(point);
-  if (share == 0) return scattered_by_normal(point, toward);
+  if (share == 0) return scattered_by_normal(point, toward) / point.normal_length;
   return share * method.appearance->sampler().density(method.toward_viewer, method.frame.to_local(toward)) +
          (1 - share) * scattered_by_normal(point, toward);
 }

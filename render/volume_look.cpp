@@ -2,6 +2,7 @@
 #include <recede/geometry/raster.h>
 #include <recede/render/detail/tracing.h>
 #include <recede/render/detail/volume_look.h>
+#include <recede/shells/detail/matter_path.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/volume_sampler.h>
 
@@ -455,8 +456,9 @@ bool VolumeLook::meet_surface(const Prism& prism, const Ray& ray, const Passage&
     if (opacity < 0.5 && rate == 0) length = passage.to - distance;
     before = distance;
     opacity_before = opacity;
-    length = std::min(length, passage.to - distance);
-    distance += length;
+    const bool is_last = !(length < passage.to - distance);
+    if (is_last) length = passage.to - distance;
+    distance = is_last ? passage.to : distance + length;
     place.u += length * step.x();
     place.v += length * step.y();
     place.height += length * step.z();
@@ -476,33 +478,26 @@ bool VolumeLook::meet_matter(const Prism& prism, const Ray& ray, const Passage& 
   double distance = std::max(passage.from, least);
   Place place = passage.start;
   Vec3 step = prism.follow(ray, distance, place);
-  double open = 1, densest = 0, in_texel = 0;
-  std::size_t last_texel = std::numeric_limits<std::size_t>::max();
+  MatterPath path(matter, finest);
   constexpr int k_most_steps = 100'000;
   for (int n = 0; n < k_most_steps && distance < passage.to && distance < most; ++n) {
     const Vec3 texture_step = prism.texture_step(step), texels = texture_step.cwiseProduct(size);
     const double rate = texels.norm();
-    const double length = rate > 0 ? std::min(0.25 / rate, passage.to - distance) : passage.to - distance;
+    const bool is_last = !(MatterPath::k_step < rate * (passage.to - distance));
+    const double length = is_last ? passage.to - distance : MatterPath::k_step / rate;
     // The middle of the step stands for it.
     distance += length / 2;
     place.u += length / 2 * step.x();
     place.v += length / 2 * step.y();
     place.height += length / 2 * step.z();
     step = prism.follow(ray, distance, place);
-    const Vec3 at = prism.texture(place) + shift;
-    const std::size_t texel = matter.texel_at(at, finest.is_periodic);
-    const Vec3 along = texture_step.cwiseProduct(finest.extent).stableNormalized();
-    const double opacity = matter.opacity_along(texel, along);
-    if (texel != last_texel) in_texel = 0;
-    last_texel = texel;
-    in_texel += length * rate;
-    open *= std::pow(1 - opacity, length * rate);
-    densest = std::max(densest, 1 - std::pow(1 - opacity, in_texel));
-    const double correlation = along.cwiseAbs2().dot(matter.correlation);
-    if ((1 - correlation) * (1 - open) + correlation * densest > stop) {
+    const double stopped = path.advance(prism.texture(place) + shift, length * texture_step);
+    const MatterCorrection correction = matter.correction_along(path.direction());
+    if (1 - std::pow(1 - stopped, correction.density) > stop) {
       if (distance >= most) return false;
       set_crossing(place, distance, crossing);
-      const Vec3 mean = mean_normal_along(normal_matrix(matter.normals[texel]), along);
+      const Vec3 mean = correction.normal +
+                        mean_normal_along(normal_matrix(matter.normals[path.texel()]), path.direction());
       const Vec3 normal = turned_to_space(smooth_frame(prism, place), mean.cwiseProduct(finest.extent));
       if (normal.squaredNorm() > 0)
         crossing.front = (mean.norm() * normal.stableNormalized()).cast<float>();
@@ -510,6 +505,7 @@ bool VolumeLook::meet_matter(const Prism& prism, const Ray& ray, const Passage& 
         crossing.front = -ray.direction.cast<float>();
       return true;
     }
+    if (is_last) break;
     distance += length / 2;
     place.u += length / 2 * step.x();
     place.v += length / 2 * step.y();

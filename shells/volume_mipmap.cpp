@@ -1,5 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/raster.h>
+#include <recede/shells/detail/matter_calibration.h>
 #include <recede/shells/textured_shell.h>
 #include <recede/shells/volume_mipmap.h>
 
@@ -297,11 +298,7 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
   const std::array<double, 4> finest = sizes_of(texture);
   VolumeTexture level = texture;
   bool keeps_shape = true;
-  for (;;) {
-    if (is_one(level.size)) {
-      mipmap.transparent.push_back(transparent_level(statistics, level));
-      return mipmap;
-    }
+  while (!is_one(level.size)) {
     const VolumeTexture next = halved(level, statistics.shares);
     if (keeps_shape && is_like(sizes_of(next), finest, options.least_share)) {
       mipmap.surfaces.push_back(next);
@@ -312,6 +309,10 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
     statistics = halved(statistics);
     level = next;
   }
+  mipmap.transparent.push_back(transparent_level(statistics, level));
+  const std::vector<detail::SeenLayer> exact = detail::measure_layer(texture);
+  for (TransparentVolume& matter : mipmap.transparent) detail::calibrate(texture, exact, matter);
+  return mipmap;
 }
 
 Matrix3 normal_matrix(const std::array<std::uint8_t, 6>& bytes) {

@@ -6,6 +6,20 @@
 
 namespace recede {
 
+/// With which a layer of transparent matter is seen as its finest level is.
+struct MatterCorrection {
+  double density = 1;          ///< factor of -log(1 - opacity)
+  Vec3 normal = Vec3::Zero();  ///< what is added to mean normals, in lengths of `VolumeTexture::extent`
+};
+
+/// Rays' directions in lengths of `VolumeTexture::extent`: rows by the angle to the layer, of columns from s
+/// on towards t, evenly by angle.
+struct MatterDirections {
+  static constexpr std::array<double, 10> k_elevations{-90, -67.5, -45, -22.5, -6,
+                                                       6,   22.5,  45,  67.5,  90};  ///< degrees
+  static constexpr int k_columns = 8;
+};
+
 /// A level whose texels let a share of the light through. What lies in a row along an axis hides itself,
 /// which each axis knows from the finest level.
 struct TransparentVolume {
@@ -19,6 +33,8 @@ struct TransparentVolume {
   std::vector<std::array<std::uint8_t, 3>> colors{};  ///< sRGB-encoded, as the texture has them
   /// How alike the holes of texels in a row along s, t and r are: 0 not at all, 1 the same.
   Vec3 correlation = Vec3::Zero();
+  /// By `MatterDirections`, or none.
+  std::vector<MatterCorrection> corrections{};
 
   std::size_t texel(int i, int j, int k) const {
     return static_cast<std::size_t>(i) +
@@ -30,6 +46,9 @@ struct TransparentVolume {
   std::size_t texel_at(const Vec3& place, bool is_periodic) const;
   /// Opacity along a unit direction: that of the axes by the squares of its coordinates.
   double opacity_along(std::size_t texel, const Vec3& direction) const;
+  /// Linear between directions, of density the logarithm; `direction` is unit, in lengths of
+  /// `VolumeTexture::extent`.
+  MatterCorrection correction_along(const Vec3& direction) const;
 };
 
 struct MipmapOptions {
@@ -50,9 +69,11 @@ struct VolumeMipmap {
   int n_levels() const { return first_transparent() + static_cast<int>(transparent.size()); }
 };
 
-/// Peng 2004, chapter 6 and appendix B, with two changes: opacity along an axis is that of the finest texels,
-/// row by row, instead of pairs of pairs; and correlation is fitted to rows of up to four texels.
-/// Throws `InputError` for a texture that `validate` refuses, `OptionError` for options out of range.
+/// Peng 2004, chapter 6 and appendix B, with three changes: opacity along an axis is that of the finest
+/// texels, row by row, instead of pairs of pairs; correlation is fitted to rows of up to four texels; and 64
+/// directions of rays through the whole layer are measured at the finest level, which transparent ones are
+/// corrected to. Throws `InputError` for a texture that `validate` refuses, `OptionError` for options out of
+/// range.
 VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& options = {});
 
 /// Of two texels in a row: with a correlation of 0 as if holes were at random, with 1 the larger one; falling

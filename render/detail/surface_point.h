@@ -19,6 +19,8 @@ struct MethodLook {
 struct SurfaceLook {
   Vec3f normal;  ///< unit, for shading; turned to the side that is seen
   Rgb albedo;    ///< share of the light that it scatters back
+  /// Of the mean over normals that differ within a ray's reach: light of a direction counts as much less.
+  float normal_length = 1;
   MethodLook method = {};
   BillboardView billboard = {};  ///< with reflectance, which is then all that counts
 };
@@ -39,6 +41,7 @@ struct SurfacePoint {
   Vec3 geometric_normal;  ///< unit, towards the side that is seen
   Vec3 normal;            ///< unit, for shading
   Rgb albedo;
+  double normal_length = 1;  ///< as in `SurfaceLook`
   MethodLook method;
   BillboardView billboard;
   bool passes_on = false;  ///< paths go on from here, so that bumps also light each other

@@ -1,0 +1,190 @@
+// What texels of a level can't know, as how holes line up for rays that cross them, is measured: rays through
+// the finest level against rays through the matter.
+#include <recede/shells/detail/matter_calibration.h>
+#include <recede/shells/detail/matter_path.h>
+#include <recede/shells/detail/volume_sampler.h>
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace recede::detail {
+
+namespace {
+
+constexpr int k_rays_along = 24;  // squared: rays of a direction
+
+constexpr double k_degree = std::numbers::pi / 180;
+constexpr std::size_t k_rows = MatterDirections::k_elevations.size(),
+                      k_directions = k_rows * static_cast<std::size_t>(MatterDirections::k_columns);
+
+// In lengths of the texture's extent.
+Vec3 direction_of(std::size_t number) {
+  const auto column = static_cast<int>(number % MatterDirections::k_columns);
+  const double elevation = k_degree * MatterDirections::k_elevations[number / MatterDirections::k_columns],
+               turn = 2 * std::numbers::pi * column / MatterDirections::k_columns;
+  return {std::cos(elevation) * std::cos(turn), std::cos(elevation) * std::sin(turn), std::sin(elevation)};
+}
+
+// Places evenly over a period, each somewhere in its cell, and as much of a texel to the side as pictures
+// take.
+struct Start {
+  double s, t, shift_s, shift_t;
+};
+
+double even_number(std::uint32_t number, std::uint32_t base) {
+  double value = 0, share = 1;
+  for (; number > 0; number /= base) {
+    share /= base;
+    value += share * (number % base);
+  }
+  return value;
+}
+
+Start start_of(int ray) {
+  const auto number = static_cast<std::uint32_t>(ray + 1);
+  return {(ray % k_rays_along + even_number(number, 2)) / k_rays_along,
+          (ray / k_rays_along + even_number(number, 3)) / k_rays_along, even_number(number, 5) - 0.5,
+          even_number(number, 7) - 0.5};
+}
+
+// A ray through the whole layer.
+struct LayerRay {
+  Vec3 from, across;  // places
+
+  LayerRay(const Start& start, const Vec3& direction, const Vec3& extent) {
+    const Vec3 rate = direction.cwiseQuotient(extent);
+    across = rate / std::abs(rate.z());
+    from = Vec3(start.s, start.t, direction.z() > 0 ? 0 : 1) - Vec3(across.x() / 2, across.y() / 2, 0);
+  }
+  Vec3 at(double share) const { return from + share * across; }
+};
+
+Vec3 size_of(const std::array<int, 3>& size) { return {size[0] * 1.0, size[1] * 1.0, size[2] * 1.0}; }
+
+Vec3 surface_normal(const VolumeTexture& texture, const Vec3& place, const Vec3& direction) {
+  const Vec3 normal = -opacity_gradient(texture, place).cwiseQuotient(texture.extent);
+  return normal.squaredNorm() > 0 ? Vec3(normal.normalized()) : Vec3(-direction);
+}
+
+}  // namespace
+
+std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
+  std::vector<SeenLayer> seen(k_directions);
+  tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t d) {
+    const Vec3 direction = direction_of(d);
+    double hits = 0;
+    Vec3 normal = Vec3::Zero();
+    for (int r = 0; r < k_rays_along * k_rays_along; ++r) {
+      const LayerRay ray(start_of(r), direction, texture.extent);
+      const int steps =
+          1 + static_cast<int>(2 * ray.across.cwiseProduct(size_of(texture.size)).cwiseAbs().maxCoeff());
+      for (int n = 0; n < steps; ++n) {
+        const Vec3 place = ray.at((n + 0.5) / steps);
+        if (sampled_opacity(texture, place) < 0.5) continue;
+        ++hits;
+        normal += surface_normal(texture, place, direction);
+        break;
+      }
+    }
+    seen[d] = {hits / (k_rays_along * k_rays_along), hits > 0 ? Vec3(normal / hits) : Vec3(-direction)};
+  });
+  return seen;
+}
+
+namespace {
+
+struct Step {
+  double stopped;  // so far
+  Vec3 normal;
+};
+
+// Of rays of one direction, one after the other.
+std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, const VolumeTexture& finest,
+                                           const Vec3& direction) {
+  std::vector<std::vector<Step>> rays;
+  const Vec3 size = size_of(matter.size);
+  for (int r = 0; r < k_rays_along * k_rays_along; ++r) {
+    const Start start = start_of(r);
+    LayerRay ray(start, direction, finest.extent);
+    ray.from += Vec3(start.shift_s / size.x(), start.shift_t / size.y(), 0);
+    const int steps = 1 + static_cast<int>(ray.across.cwiseProduct(size).norm() / MatterPath::k_step);
+    MatterPath path(matter, finest);
+    std::vector<Step>& passed = rays.emplace_back();
+    double before = 0;
+    for (int n = 0; n < steps; ++n) {
+      const double stopped = path.advance(ray.at((n + 0.5) / steps), ray.across / steps);
+      if (stopped <= before) continue;
+      before = stopped;
+      passed.push_back({stopped, mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction)});
+    }
+  }
+  return rays;
+}
+
+SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, double density) {
+  double opacity = 0;
+  Vec3 normal = Vec3::Zero();
+  for (const std::vector<Step>& ray : rays) {
+    double before = 0;
+    for (const Step& step : ray) {
+      const double stopped = 1 - std::pow(1 - step.stopped, density);
+      opacity += stopped - before;
+      normal += (stopped - before) * step.normal;
+      before = stopped;
+    }
+  }
+  return {opacity / static_cast<double>(rays.size()), opacity > 0 ? Vec3(normal / opacity) : normal};
+}
+
+}  // namespace
+
+void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact, TransparentVolume& matter) {
+  matter.corrections.resize(k_directions);
+  tbb::parallel_for(std::size_t{0}, exact.size(), [&](std::size_t d) {
+    const std::vector<std::vector<Step>> rays = pass_matter(matter, finest, direction_of(d));
+    // Opacity rises with density; a factor of 8 either way makes nearly all of what can be made.
+    double low = 1.0 / 8, high = 8;
+    for (int round = 0; round < 24; ++round) {
+      const double middle = std::sqrt(low * high);
+      (seen_with(rays, middle).opacity < exact[d].opacity ? low : high) = middle;
+    }
+    const double density = std::sqrt(low * high);
+    const SeenLayer seen = seen_with(rays, density);
+    matter.corrections[d] = {density, seen.opacity > 0 ? Vec3(exact[d].normal - seen.normal) : Vec3::Zero()};
+  });
+}
+
+}  // namespace recede::detail
+
+namespace recede {
+
+MatterCorrection TransparentVolume::correction_along(const Vec3& direction) const {
+  using Directions = MatterDirections;
+  if (corrections.empty()) return {};
+  const double elevation = std::asin(std::clamp(direction.z(), -1.0, 1.0)) / detail::k_degree;
+  const auto above =
+      std::upper_bound(Directions::k_elevations.begin() + 1, Directions::k_elevations.end() - 1, elevation);
+  const auto row = static_cast<std::size_t>(above - Directions::k_elevations.begin()) - 1;
+  const double v = (elevation - above[-1]) / (above[0] - above[-1]);
+  const double turn = std::atan2(direction.y(), direction.x()) / (2 * std::numbers::pi);
+  const double column = (turn < 0 ? turn + 1 : turn) * Directions::k_columns;
+  const auto left = static_cast<std::size_t>(column);
+  const double u = column - static_cast<double>(left);
+  MatterCorrection sum{0, Vec3::Zero()};
+  const auto add = [&](double weight, std::size_t i, std::size_t j) {
+    const MatterCorrection& correction = corrections[i * Directions::k_columns + j % Directions::k_columns];
+    sum.density += weight * std::log(correction.density);
+    sum.normal += weight * correction.normal;
+  };
+  add((1 - v) * (1 - u), row, left);
+  add((1 - v) * u, row, left + 1);
+  add(v * (1 - u), row + 1, left);
+  add(v * u, row + 1, left + 1);
+  sum.density = std::exp(sum.density);
+  return sum;
+}
+
+}  // namespace recede
