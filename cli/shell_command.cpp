@@ -166,8 +166,10 @@ void add_shell_command(CLI::App& app) {
           "of distances, along which directors get longer than asked for on flat parts")
       ->transform(one_of<LpForm>({{"calibrated", LpForm::calibrated}, {"averaged", LpForm::averaged}}));
   command
-      ->add_option("--step", shell.step,
-                   "of directors: a share of the thickness, and the angle in radians that they turn by (0.1)")
+      ->add_option(
+          "--step", shell.step,
+          "how long steps of directors are: at most 2.5 times this share of the thickness, turning by "
+          "twice as many radians (0.1)")
       ->check(CLI::Range(1e-3, 1.0));
   command
       ->add_option("--border-extension", shell.border_extension,

@@ -3,7 +3,6 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace recede::detail {
 namespace {
@@ -13,14 +12,8 @@ constexpr std::size_t k_parallel_leaves = 1024;  // below this, a thread takes m
 
 }  // namespace
 
-void BoxTree::Box::extend(const Box& other) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    lower[k] = std::min(lower[k], other.lower[k]);
-    upper[k] = std::max(upper[k], other.upper[k]);
-  }
-}
-
-BoxTree::BoxTree(const std::vector<Box>& boxes) : boxes_(boxes.size()), order_(boxes.size()) {
+BoxTree::BoxTree(const std::vector<Box>& boxes)
+    : boxes_(boxes.size()), order_(boxes.size()), place_(boxes.size()) {
   while (n_leaves_ * k_leaf_size < boxes.size()) n_leaves_ *= 2;
   std::vector<Item> items(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -31,6 +24,26 @@ BoxTree::BoxTree(const std::vector<Box>& boxes) : boxes_(boxes.size()), order_(b
   }
   nodes_.resize(2 * n_leaves_);
   build(items, boxes, 1, 0, n_leaves_);
+  for (std::size_t i = 0; i < order_.size(); ++i) place_[order_[i]] = static_cast<Index>(i);
+}
+
+std::size_t BoxTree::leaf_of(Index i) const {
+  // The leaf whose first box is the last one up to this place.
+  std::size_t leaf = place_[i] * n_leaves_ / order_.size();
+  while (leaf + 1 < n_leaves_ && begin(leaf + 1) <= place_[i]) ++leaf;
+  return leaf;
+}
+
+void BoxTree::move(Index i, const Box& box) {
+  boxes_[place_[i]] = box;
+  const std::size_t leaf = leaf_of(i);
+  Box around = nothing();
+  for (std::size_t k = begin(leaf); k < begin(leaf + 1); ++k) around.extend(boxes_[k]);
+  nodes_[n_leaves_ + leaf] = around;
+  for (std::size_t node = (n_leaves_ + leaf) / 2; node > 0; node /= 2) {
+    nodes_[node] = nodes_[2 * node];
+    nodes_[node].extend(nodes_[2 * node + 1]);
+  }
 }
 
 /// The place of a cut follows from the number of leaves alone, so that all writes are to known places.
@@ -38,8 +51,7 @@ void BoxTree::build(std::vector<Item>& items, const std::vector<Box>& boxes, std
                     std::size_t first_leaf, std::size_t n_leaves) {
   const std::size_t first = begin(first_leaf), last = begin(first_leaf + n_leaves);
   Box& box = nodes_[node];
-  const double far = std::numeric_limits<double>::infinity();
-  box = {{far, far, far}, {-far, -far, -far}};
+  box = nothing();
   if (n_leaves == 1) {
     for (std::size_t i = first; i < last; ++i) {
       order_[i] = items[i].number;

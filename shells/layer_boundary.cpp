@@ -49,6 +49,7 @@ std::vector<Index> own_vertices(const LayerBoundary& layer) {
   std::vector<Index> piece_of_vertex(layer.n_vertices(), k_no_index);
   for (std::size_t c = 0; c < layer.triangles.size(); ++c) {
     const Index piece = layer.pieces.piece_of_triangle[c / 3];
+    if (piece == k_no_index) continue;
     Index& known = piece_of_vertex[layer.triangles[c]];
     known = known == k_no_index || known == piece ? piece : k_several;
   }
@@ -69,7 +70,7 @@ void add_layers_around(const LayerBoundary& layer, const BoxTree& tree, Index pi
   crossings.clear();
   tree.visit_ray(point, [&](Index part) {
     const Index other = pieces.piece_of_triangle[layer.triangle(part)];
-    if (other == piece) return;
+    if (other == piece || other == k_no_index) return;
     const int sign = crossing(layer, part, point);
     if (sign != 0) crossings.emplace_back(other, sign);
   });
@@ -94,17 +95,23 @@ Simplex LayerBoundary::simplex(Index part) const {
   return {{a, b, a + n_vertices(), b + n_vertices()}, 4};
 }
 
+BoxTree::Box box_of_part(const LayerBoundary& layer, Index part) {
+  const Simplex simplex = layer.simplex(part);
+  const auto at = [&](int i) {
+    const Vec3& p = layer.points[simplex.corners[static_cast<std::size_t>(i)]];
+    return std::array<double, 3>{p.x(), p.y(), p.z()};
+  };
+  BoxTree::Box box{at(0), at(0)};
+  for (int i = 1; i < simplex.size; ++i) box.extend({at(i), at(i)});
+  return box;
+}
+
 std::vector<BoxTree::Box> boxes_of_parts(const LayerBoundary& layer) {
   std::vector<BoxTree::Box> boxes(layer.n_parts());
-  for (std::size_t part = 0; part < boxes.size(); ++part) {
-    const Simplex simplex = layer.simplex(static_cast<Index>(part));
-    const auto at = [&](int i) {
-      const Vec3& p = layer.points[simplex.corners[static_cast<std::size_t>(i)]];
-      return std::array<double, 3>{p.x(), p.y(), p.z()};
-    };
-    boxes[part] = {at(0), at(0)};
-    for (int i = 1; i < simplex.size; ++i) boxes[part].extend({at(i), at(i)});
-  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size()), [&](const auto& range) {
+    for (std::size_t part = range.begin(); part < range.end(); ++part)
+      boxes[part] = box_of_part(layer, static_cast<Index>(part));
+  });
   return boxes;
 }
 

@@ -159,31 +159,54 @@ LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
   for (const double area : surface.areas) area_ += area;
   area_ = std::ldexp(area_, -2 * frame_.exponent);
   if (options.p != 3) nearest_ = nearest_of(surface, options.source);
+  const bool has_packets = options.p == 3 && options.source == LpSource::triangles && !options.error;
+  if (has_packets && std::isfinite(support_)) fades_ = fades_of(tree_, support_);
 }
 
-LpValue LpField::at(const Vec3& point) const {
+LpQuery LpField::query_of(const Vec3& point) const {
   if (!point.allFinite()) throw InputError("an averaged distance was asked for a point that isn't finite");
   const Vec3 x = frame_.inside(point);
   // The surface has a size of about 1 here: cubes neither overflow nor vanish.
   constexpr double k_farthest = 1e50;
   if (!(x.cwiseAbs().maxCoeff() < k_farthest))
     throw InputError("a point is too far away from the surface for an averaged distance");
+  return {{x.x(), x.y(), x.z()},       options_.p, 1, support_, options_.error.has_value(),
+          tree_.first_order_left_out()};
+}
+
+LpValue LpField::at(const Vec3& point) const {
+  LpQuery query = query_of(point);
   const bool is_exact = options_.source == LpSource::triangles;
-  double unit = 1;
   if (nearest_) {
-    unit = std::sqrt(nearest_->closest(x).squared_distance);
+    query.unit =
+        std::sqrt(nearest_->closest(Vec3(query.point[0], query.point[1], query.point[2])).squared_distance);
     // Nothing is at a distance of 0 to be relative to: on the surface, or at a point that is left out.
-    if (!(unit > 0)) {
+    if (!(query.unit > 0)) {
       if (options_.p >= 2 && is_exact) return {};
-      unit = 1;
+      query.unit = 1;
     }
   }
-  const LpQuery query{{x.x(), x.y(), x.z()},       options_.p, unit, support_, options_.error.has_value(),
-                      tree_.first_order_left_out()};
   const auto add_leaf = !is_exact ? add_points : options_.p == 3 ? nullptr : add_triangles;
   return value_of(
       lp_kernel().sum({tree_.nodes.data(), tree_.extents.data(), tree_.blocks.data(), add_leaf}, query),
-      unit);
+      query.unit);
+}
+
+void LpField::at_each(std::span<const Vec3> points, std::span<LpValue> values) const {
+  if (fades_.empty()) {
+    for (std::size_t i = 0; i < points.size(); ++i) values[i] = at(points[i]);
+    return;
+  }
+  constexpr std::size_t k_at_once = 8;
+  std::array<LpQuery, k_at_once> queries;
+  std::array<LpSums, k_at_once> sums;
+  for (std::size_t first = 0; first < points.size(); first += k_at_once) {
+    const std::size_t n = std::min(k_at_once, points.size() - first);
+    for (std::size_t i = 0; i < n; ++i) queries[i] = query_of(points[first + i]);
+    lp_kernel().sum_packet({tree_.nodes.data(), tree_.extents.data(), tree_.blocks.data(), nullptr},
+                           fades_.data(), queries.data(), static_cast<int>(n), sums.data());
+    for (std::size_t i = 0; i < n; ++i) values[first + i] = value_of(sums[i], 1);
+  }
 }
 
 LpValue LpField::value_of(const LpSums& sums, double unit) const {

@@ -217,4 +217,21 @@ LpTree::LpTree(std::vector<LpElement> elements, const LpTreeOptions& options)
   Builder(*this, std::move(elements), options).build(0, n);
 }
 
+std::vector<LpFade> fades_of(const LpTree& tree, double support) {
+  std::vector<LpFade> fades(tree.nodes.size());
+  for (std::size_t i = 0; i < fades.size(); ++i) {
+    for (std::size_t lane = 0; lane < k_lp_lanes; ++lane) {
+      const double radius = tree.extents[i].radius[lane];
+      const double full = support - radius, end = k_lp_fade_end * support + radius;
+      LpFade& fade = fades[i];
+      fade.squared_full[lane] = full > 0 ? full * full : 0;
+      // Of a lane without a child: nowhere.
+      fade.squared_end[lane] = tree.nodes[i].mass[lane] > 0 ? end * end : -1;
+      fade.squared_limit[lane] = radius < k_lp_fading_part * support ? std::numeric_limits<double>::infinity()
+                                                                     : fade.squared_full[lane];
+    }
+  }
+  return fades;
+}
+
 }  // namespace recede::detail

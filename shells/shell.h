@@ -32,8 +32,9 @@ struct ShellOptions {
   DirectorMethod method = DirectorMethod::averaged_distance;
   /// Of averaged distances. `support` is set to twice the largest thickness.
   LpDistanceOptions field{};
-  /// Steps are at most this share of the thickness and turn by at most as many radians: 0.1 is interactive,
-  /// 0.05 precise.
+  /// How long the steps of directors are: at most 2.5 times this share of the thickness, turning by at most
+  /// twice as many radians, and off by about 4 times its third power of the thickness each. 0.1 is
+  /// interactive, 0.05 precise.
   double step = 0.1;
   /// Past open borders the field sees the surface go on this far, in thicknesses, so that directors don't
   /// bend outwards.

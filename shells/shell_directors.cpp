@@ -1,5 +1,6 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/shells/detail/front_direction.h>
+#include <recede/shells/detail/lp_field.h>
 #include <recede/shells/detail/shell_directors.h>
 #include <recede/shells/detail/shell_pieces.h>
 
@@ -16,10 +17,19 @@ namespace recede::detail {
 namespace {
 
 // The field begins on the surface with no direction: the first step goes along the normal.
-constexpr double k_first_step = 0.02;  // of the thickness
-constexpr int k_most_halvings = 12;
-constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 60
+constexpr double k_first_step = 0.02;            // of the thickness
+constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 30
+constexpr std::size_t k_neighbours = 64;         // followed together
 constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
+
+// Of `ShellOptions::step`.
+constexpr double k_longest_step = 2.5;    // of the thickness
+constexpr double k_largest_turn = 2;      // radians
+constexpr double k_shortest_step = 1e-5;  // of the thickness, for the longest of a path
+constexpr double k_free = 0.97;
+// Of its third power: of the thickness, what a step may be off. Twelve times less is what doubled steps of
+// the second order still keep, and half of that again to spare.
+constexpr double k_largest_error = 4, k_even = 1.0 / 12;
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -45,57 +55,203 @@ class FlowField {
     averaged_.emplace(with_extended_borders(surface, reaches), field);
   }
 
-  Flow at(const Vec3& point) const {
-    if (exact_)
-      return {extended_gradient(*exact_, point), std::sqrt(exact_->closest(point).squared_distance)};
-    const LpValue value = averaged_->at(point);
-    const double length = value.gradient.norm();
-    return {is_clamped_ && length > 1 ? Vec3(value.gradient / length) : value.gradient, value.distance};
+  bool is_smooth() const { return !exact_ && is_clamped_; }
+
+  // At points near to each other.
+  void at_each(std::span<const Vec3> points, std::span<Flow> flows) const {
+    if (exact_) {
+      for (std::size_t i = 0; i < points.size(); ++i)
+        flows[i] = {extended_gradient(*exact_, points[i]),
+                    std::sqrt(exact_->closest(points[i]).squared_distance)};
+      return;
+    }
+    std::array<LpValue, k_neighbours> values;
+    averaged_->at_each(points, std::span(values).first(points.size()));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const LpValue& value = values[i];
+      const double length = value.gradient.norm();
+      flows[i] = {is_clamped_ && length > 1 ? Vec3(value.gradient / length) : value.gradient, value.distance};
+    }
   }
 
  private:
-  std::optional<LpDistance> averaged_;
+  std::optional<LpField> averaged_;
   std::optional<ClosestPointTree> exact_;
   bool is_clamped_;
 };
 
-// Explicit Euler steps (section 4.5), restarted at the longest and halved until they turn little. Besides the
-// source's rule, no step is longer than its share of the thickness, or decreases the distance.
-class DirectorTracer {
+// The way of one director. The source's steps are explicit Euler's (section 4.5), halved until they turn
+// little. Here a step of Adams and Bashforth is corrected by the trapezoidal rule with the flow where it led,
+// which the next step begins with as well: the second order for one look at the field a step, and how far the
+// correction went says how far off it is. Besides the source's rule, no step is longer than its share of the
+// thickness, or decreases the distance.
+//
+// Steps are halves of halves of the longest and end at multiples of themselves. So neighbours, which see much
+// the same field, take the same steps and are off by the same: what differs between them would invert prisms.
+class DirectorPath {
  public:
-  DirectorTracer(const FlowField& field, const ShellOptions& options) : field_(field), options_(options) {}
+  DirectorPath() = default;
+  // `is_smooth`: nothing that is near goes unnoticed in the field's speed.
+  DirectorPath(const Vec3& start, const Vec3& normal, double thickness, double step, bool is_smooth)
+      : at_(start),
+        asked_(start + k_first_step * thickness * normal),
+        thickness_(thickness),
+        step_(step),
+        is_smooth_(is_smooth) {
+    const double n = std::ceil((1 - k_first_step) / std::max(k_longest_step * step, k_shortest_step));
+    longest_ = (1 - k_first_step) / n * thickness;
+    n_ticks_ = static_cast<int>(n) * k_longest;
+  }
 
-  Vec3 trace(const Vec3& start, const Vec3& normal, double thickness, std::size_t& evaluations) const {
-    double time = k_first_step * thickness;
-    Vec3 at = start + time * normal;
-    Flow flow = field_.at(at);
-    ++evaluations;
-    while (time < thickness && flow.velocity.norm() > k_stuck && evaluations < k_most_evaluations) {
-      const double longest = options_.step * thickness / std::max(1.0, flow.velocity.norm());
-      double step = std::min(longest, thickness - time);
-      std::optional<Flow> next;
-      for (int halving = 0; halving <= k_most_halvings && !next; ++halving, step /= 2) {
-        const Flow there = field_.at(at + step * flow.velocity);
-        ++evaluations;
-        if (there.distance >= flow.distance &&
-            angle_between(flow.velocity, there.velocity) <= options_.step) {
-          next = there;
-          break;
-        }
-      }
-      if (!next) break;
-      at += step * flow.velocity;
-      // What is left of a thickness may be less than a step of rounding.
-      time = step < longest && step >= thickness - time ? thickness : time + step;
-      flow = *next;
+  bool is_done() const { return is_done_; }
+  const Vec3& end() const { return at_; }
+
+  // Where the flow is to be known next.
+  const Vec3& asked() const { return asked_; }
+
+  void answer(const Flow& flow) {
+    ++evaluations_;
+    if (asks_here_) {
+      at_ = asked_;
+      flow_ = flow;
+      asks_here_ = false;
+      n_rejected_ = 0;
+    } else if (const Vec3 corrected = at_ + 0.5 * length_ * (flow_.velocity + flow.velocity);
+               is_accepted(flow, corrected)) {
+      advance(flow, corrected);
+    } else if (stride_ > 1) {
+      stride_ /= 2;
+      // What the flow was where the last step led doesn't get nearer to the one here with shorter steps.
+      asks_here_ = ++n_rejected_ == k_patience;
+    } else {
+      is_done_ = true;
     }
-    return at;
+    is_done_ = is_done_ || tick_ == n_ticks_ || !(flow_.velocity.norm() > k_stuck) ||
+               evaluations_ >= k_most_evaluations;
+    if (is_done_) return;
+    if (asks_here_) {
+      asked_ = at_;
+    } else {
+      predict();
+    }
   }
 
  private:
-  const FlowField& field_;
-  const ShellOptions& options_;
+  static constexpr int k_longest = 1 << 12, k_patience = 2;
+
+  void predict() {
+    for (;; stride_ /= 2) {
+      length_ = longest_ * stride_ / k_longest;
+      Vec3 velocity = flow_.velocity;
+      if (length_before_ > 0) velocity += length_ / (2 * length_before_) * (velocity - before_);
+      // No faster than the flow, which is a distance's where it's clamped.
+      const double speed = velocity.norm(), fastest = std::max(1.0, flow_.velocity.norm());
+      if (speed > fastest) velocity *= fastest / speed;
+      asked_ = at_ + length_ * velocity;
+      // A unit vector may be a rounding longer.
+      if (stride_ == 1 || length_ * fastest <= (1 + 1e-9) * longest_) return;
+    }
+  }
+
+  bool is_accepted(const Flow& flow, const Vec3& corrected) {
+    turn_ = angle_between(flow_.velocity, flow.velocity);
+    const double correction = (corrected - asked_).norm() / thickness_;
+    // The two are off by 2 + 3 r and -1 parts of the same, r the ratio of the step before to this one.
+    error_ = length_before_ > 0 ? correction / (3 * (1 + length_before_ / length_)) : correction;
+    return flow.distance >= flow_.distance && turn_ <= k_largest_turn * step_ &&
+           error_ <= k_largest_error * step_ * step_ * step_;
+  }
+
+  void advance(const Flow& flow, const Vec3& corrected) {
+    before_ = flow_.velocity;
+    length_before_ = length_;
+    at_ = corrected;
+    flow_ = flow;
+    tick_ += stride_;
+    n_rejected_ = 0;
+    const bool is_even =
+        2 * turn_ <= k_largest_turn * step_ && error_ <= k_even * k_largest_error * step_ * step_ * step_;
+    if (is_even && stride_ < k_longest && tick_ % (2 * stride_) == 0) stride_ *= 2;
+    // Of two parallel planes the speed is the difference of their distances over the sum: at 0.97 the other
+    // one is 66 times as far away, out of reach of a last step. So none has to look at what it can't meet.
+    if (is_smooth_ && is_even && tick_ + stride_ == n_ticks_ && flow_.velocity.norm() >= k_free) {
+      predict();
+      at_ = asked_;
+      tick_ = n_ticks_;
+    }
+  }
+
+  Vec3 at_ = Vec3::Zero(), asked_ = Vec3::Zero(), before_ = Vec3::Zero();
+  Flow flow_{};
+  double thickness_ = 0, step_ = 0, longest_ = 0;
+  double length_ = 0, length_before_ = 0, turn_ = 0, error_ = 0;
+  int stride_ = k_longest / 2, tick_ = 0, n_ticks_ = 0;  // a step, and time, in shares of the longest step
+  std::size_t evaluations_ = 0;
+  int n_rejected_ = 0;
+  bool is_smooth_ = false, asks_here_ = true, is_done_ = false;
 };
+
+// Follows the paths of some of all `ends` side by side, `path_of` each; returns the number of evaluations.
+// Those that take the same steps stay near to each other.
+template <typename PathOf>
+std::size_t trace_neighbours(const FlowField& field, std::span<const std::size_t> which, PathOf&& path_of,
+                             std::vector<Vec3>& ends) {
+  std::array<DirectorPath, k_neighbours> paths;
+  std::array<std::size_t, k_neighbours> owners{};
+  std::array<Vec3, k_neighbours> asked;
+  std::array<Flow, k_neighbours> flows;
+  std::size_t n = which.size(), evaluations = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    owners[i] = which[i];
+    paths[i] = path_of(which[i]);
+  }
+  while (n > 0) {
+    for (std::size_t i = 0; i < n; ++i) asked[i] = paths[i].asked();
+    field.at_each(std::span(asked).first(n), std::span(flows).first(n));
+    evaluations += n;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      paths[i].answer(flows[i]);
+      if (paths[i].is_done()) {
+        ends[owners[i]] = paths[i].end();
+        continue;
+      }
+      paths[left] = paths[i];
+      owners[left++] = owners[i];
+    }
+    n = left;
+  }
+  return evaluations;
+}
+
+// Along a curve that fills the box of the vertices, by turns of their coordinates' bits; those that have a
+// normal only. In `vertices` it says where.
+std::vector<std::size_t> order_in_space(const ShellSurface& surface, std::span<const Index> vertices) {
+  Box3 box;
+  for (const Index v : vertices) box.extend(surface.positions[v]);
+  constexpr int k_bits = 20;
+  const double cells = std::ldexp(1.0, k_bits) - 1;
+  const Vec3 sizes = box.isEmpty() ? Vec3::Ones() : Vec3(box.sizes().cwiseMax(box.sizes().maxCoeff() * 1e-9));
+  std::vector<std::pair<std::uint64_t, std::size_t>> keys;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (surface.normals[vertices[i]].isZero()) continue;
+    std::uint64_t key = 0;
+    const Vec3 at = surface.positions[vertices[i]] - box.min();
+    std::array<std::uint64_t, 3> cell{};
+    for (int k = 0; k < 3; ++k)
+      cell[static_cast<std::size_t>(k)] =
+          static_cast<std::uint64_t>(std::clamp(at[k] / sizes[k], 0.0, 1.0) * cells);
+    for (int bit = k_bits; bit-- > 0;) {
+      for (const std::uint64_t coordinate : cell) key = 2 * key + (coordinate >> bit & 1u);
+    }
+    keys.emplace_back(key, i);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<std::size_t> order;
+  order.reserve(keys.size());
+  for (const auto& [key, i] : keys) order.push_back(i);
+  return order;
+}
 
 }  // namespace
 
@@ -170,7 +326,8 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
                                 std::span<const double> thicknesses, double side, const ShellOptions& options,
                                 Progress* progress) {
   TracedDirectors result;
-  result.ends.resize(vertices.size());
+  result.ends.reserve(vertices.size());
+  for (const Index v : vertices) result.ends.push_back(surface.positions[v]);
   if (options.method == DirectorMethod::normals) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const Index v = vertices[i];
@@ -180,20 +337,21 @@ TracedDirectors trace_directors(const ShellSurface& surface, std::span<const Ind
   }
   report_progress(progress, "averaged distance", 0);
   const FlowField field(surface, thicknesses, options);
-  const DirectorTracer tracer(field, options);
+  const std::vector<std::size_t> order = order_in_space(surface, vertices);
   std::atomic<std::size_t> evaluations{0};
   constexpr std::size_t k_at_once = 4096;
-  for (std::size_t first = 0; first < vertices.size(); first += k_at_once) {
-    report_progress(progress, "directors", static_cast<double>(first) / static_cast<double>(vertices.size()));
-    tbb::parallel_for(first, std::min(first + k_at_once, vertices.size()), [&](std::size_t i) {
-      const Index v = vertices[i];
-      if (surface.normals[v].isZero()) {
-        result.ends[i] = surface.positions[v];
-        return;
-      }
-      std::size_t n = 0;
-      result.ends[i] = tracer.trace(surface.positions[v], side * surface.normals[v], thicknesses[v], n);
-      evaluations += n;
+  for (std::size_t first = 0; first < order.size(); first += k_at_once) {
+    report_progress(progress, "directors", static_cast<double>(first) / static_cast<double>(order.size()));
+    const std::size_t last = std::min(first + k_at_once, order.size());
+    tbb::parallel_for(first, last, k_neighbours, [&](std::size_t begin) {
+      evaluations += trace_neighbours(
+          field, std::span(order).subspan(begin, std::min(k_neighbours, last - begin)),
+          [&](std::size_t i) {
+            const Index v = vertices[i];
+            return DirectorPath(surface.positions[v], side * surface.normals[v], thicknesses[v], options.step,
+                                field.is_smooth());
+          },
+          result.ends);
     });
   }
   result.evaluations = evaluations;

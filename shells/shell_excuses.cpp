@@ -53,51 +53,42 @@ std::vector<Index> find_excused_triangles(const ShellSurface& surface, const She
   return excused;
 }
 
-ExcusingCheck::ExcusingCheck(const ShellSurface& surface, double side, std::span<const Index> excused)
-    : surface_(surface), side_(side) {
-  if (excused.empty()) return;
-  is_excused_.assign(surface.triangles.size() / 3, 0);
-  for (const Index t : excused) is_excused_[t] = 1;
-  for (std::size_t t = 0; t < is_excused_.size(); ++t) {
-    if (is_excused_[t] != 0) continue;
-    rest_.push_back(static_cast<Index>(t));
-    for (std::size_t k = 0; k < 3; ++k) rest_corners_.push_back(surface.triangles[3 * t + k]);
+LayerBoundary excusing(LayerBoundary layer, std::span<const Index> excused) {
+  if (excused.empty()) return layer;
+  using Kind = LayerBoundary::Kind;
+  const std::size_t n = layer.n_triangles();
+  std::vector<Kind> of_triangles(n, Kind::plain);
+  for (const Index t : excused) of_triangles[t] = Kind::excused;
+  std::vector<Index> rest, corners;
+  for (std::size_t t = 0; t < n; ++t) {
+    if (of_triangles[t] == Kind::excused) continue;
+    rest.push_back(static_cast<Index>(t));
+    for (std::size_t k = 0; k < 3; ++k) corners.push_back(layer.triangles[3 * t + k]);
   }
-}
-
-ShellValidity ExcusingCheck::operator()(std::span<const Vec3> tops, std::span<const Index> changed,
-                                        Progress* progress) const {
-  ShellCheckOptions options;
-  options.is_inward = side_ < 0;
-  if (!changed.empty()) options.changed_vertices = changed;
-  ShellValidity found = check_shell(surface_.positions, tops, surface_.triangles, options, progress);
-  if (is_excused_.empty()) return found;
-  const auto is_excused = [&](Index triangle) { return is_excused_[triangle] != 0; };
-  const auto are_excused = [&](const auto& pair) {
-    return is_excused(pair.first) && is_excused(pair.second);
-  };
-  std::erase_if(found.inverted, is_excused);
-  for (ShellValidity::Pairs* pairs :
-       {&found.bottom_contacts, &found.overlapping_neighbours, &found.top_contacts, &found.layer_contacts})
-    std::erase_if(*pairs, are_excused);
-  std::erase_if(found.wall_contacts, [&](const WallContact& contact) {
-    return is_excused(contact.corner / 3) &&
-           is_excused(contact.part == ShellPart::wall ? contact.other / 3 : contact.other);
-  });
-  // Pieces are those of the rest: of what meets itself, a ray tells nothing.
-  found.nested_pieces.clear();
-  ShellValidity alone = check_shell(surface_.positions, tops, rest_corners_, options, progress);
-  const auto corner_of = [&](Index corner) { return 3 * rest_[corner / 3] + corner % 3; };
-  for (const auto& [a, b] : alone.nested_pieces) found.nested_pieces.emplace_back(rest_[a], rest_[b]);
-  for (const WallContact& contact : alone.wall_contacts) {
-    found.wall_contacts.push_back(
-        {corner_of(contact.corner), contact.part,
-         contact.part == ShellPart::wall ? corner_of(contact.other) : rest_[contact.other]});
+  const ShellPieces whole = std::move(layer.pieces), alone = find_shell_pieces(layer.n_vertices(), corners);
+  ShellPieces& pieces = layer.pieces;
+  pieces = {};
+  // What is open in the whole mesh is so in the rest, too.
+  for (const Index corner : alone.walls) pieces.walls.push_back(3 * rest[corner / 3] + corner % 3);
+  for (const Index corner : whole.walls) {
+    if (of_triangles[corner / 3] == Kind::excused) pieces.walls.push_back(corner);
   }
-  std::sort(found.wall_contacts.begin(), found.wall_contacts.end());
-  found.wall_contacts.erase(std::unique(found.wall_contacts.begin(), found.wall_contacts.end()),
-                            found.wall_contacts.end());
-  return found;
+  std::sort(pieces.walls.begin(), pieces.walls.end());
+  for (const auto& pair : whole.overlapping_neighbours) {
+    if (of_triangles[pair.first] == Kind::plain || of_triangles[pair.second] == Kind::plain)
+      pieces.overlapping_neighbours.push_back(pair);
+  }
+  pieces.piece_of_triangle.assign(n, k_no_index);
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    pieces.piece_of_triangle[rest[i]] = alone.piece_of_triangle[i];
+  for (const Index first : alone.first_triangle) pieces.first_triangle.push_back(rest[first]);
+  layer.kinds = of_triangles;
+  layer.kinds.insert(layer.kinds.end(), of_triangles.begin(), of_triangles.end());
+  for (const Index corner : pieces.walls) {
+    const bool is_inner = !std::binary_search(whole.walls.begin(), whole.walls.end(), corner);
+    layer.kinds.push_back(is_inner ? Kind::inner_wall : of_triangles[corner / 3]);
+  }
+  return layer;
 }
 
 }  // namespace recede::detail

@@ -1,4 +1,5 @@
 #include <recede/shells/detail/director_cuts.h>
+#include <recede/shells/detail/layer_check.h>
 #include <recede/shells/detail/shell_excuses.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/shell_repair.h>
@@ -11,13 +12,17 @@ namespace recede::detail {
 
 namespace {
 
-constexpr double k_shorter = 0.7, k_longer = 1 / k_shorter;
+constexpr double k_shorter = 0.85, k_longer = 1 / k_shorter;
 // Sheets a millionth apart, or sharper than that, need other orders of magnitude.
-constexpr int k_gentle_rounds = 24;
+constexpr int k_gentle_rounds = 50;
 constexpr double k_much_shorter = 0.4;
-constexpr int k_most_rounds = 48;  // what is left of a director is then one part in 2e13
+// What is left of a director is then one part in 3e13: of anything shorter, rounding decides the direction.
+constexpr int k_most_rounds = 75;
 constexpr int k_regrowths = 4;
 constexpr int k_most_retreats = 4;
+// Towards the normal. Neighbours that turn differently invert each other, so only what is at fault however
+// short it gets turns: below a share of its length.
+constexpr double k_straighter = 0.7, k_short = 0.25;
 
 class LayerRepair {
  public:
@@ -31,7 +36,7 @@ class LayerRepair {
 
   void run(bool may_change) {
     layer_.tops = layer_.traced;
-    layer_.validity = check_all();
+    layer_.validity = check_without({});
     layer_.inverted_before = layer_.validity.inverted.size();
     layer_.contacts_before = layer_.validity.top_contacts.size() + layer_.validity.layer_contacts.size() +
                              layer_.validity.wall_contacts.size();
@@ -39,17 +44,16 @@ class LayerRepair {
     layer_.repair_rounds = 0;
     layer_.excused = find_excused_triangles(surface_, layer_.validity);
     layer_.given_up.clear();
-    check_.emplace(surface_, side_, layer_.excused);
-    ShellValidity found = layer_.excused.empty() ? layer_.validity : faults({});
+    ShellValidity found = layer_.excused.empty() ? layer_.validity : check_without(layer_.excused);
     if (may_change && !found.is_valid()) {
       find_neighbours();
       found = repair(std::move(found));
       for (int i = 0; i < k_most_retreats && !found.is_valid(); ++i) {
-        give_up_on(found);
-        found = repair(faults({}));
+        found = repair(give_up_on(found));
       }
-      layer_.validity = check_all();
-      found = layer_.excused.empty() && layer_.given_up.empty() ? layer_.validity : faults({});
+      // What was found at the beginning is gone, and what moved was looked at whenever it did.
+      const bool is_sound = found.is_valid() && layer_.excused.empty() && layer_.given_up.empty();
+      layer_.validity = is_sound ? ShellValidity{} : check_shell_as_it_is();
     }
     layer_.is_valid_elsewhere = found.is_valid();
     layer_.shortened = static_cast<std::size_t>(
@@ -59,24 +63,24 @@ class LayerRepair {
  private:
   // Returns what is left of the faults.
   ShellValidity repair(ShellValidity found) {
-    if (cut_at_surface()) found = faults({});
+    cut_at_surface(found);
     for (int round = 0; round < k_most_rounds && !found.is_valid(); ++round, ++layer_.repair_rounds) {
       const std::vector<Index> vertices = offenders_of(found);
       const double share = round < k_gentle_rounds ? k_shorter : k_much_shorter;
       for (const Index v : vertices) {
         scales_[v] *= share;
-        leans_[v] *= share;
+        if (scales_[v] < k_short) leans_[v] *= k_straighter;
         place(v);
       }
-      found = faults(with_slopes(vertices));
+      found = check_->check_moved(layer_.tops, with_slopes(vertices));
     }
     if (found.is_valid()) regrow();
     return found;
   }
 
   // Their triangles count as excused from now on, and the rest is repaired from the beginning: all around
-  // them got as short as they.
-  void give_up_on(const ShellValidity& found) {
+  // them got as short as they. Returns its faults.
+  ShellValidity give_up_on(const ShellValidity& found) {
     std::vector<Index>& left = layer_.given_up;
     left.insert(left.end(), found.inverted.begin(), found.inverted.end());
     for (const ShellValidity::Pairs* pairs : {&found.top_contacts, &found.layer_contacts}) {
@@ -92,15 +96,15 @@ class LayerRepair {
     left.erase(std::unique(left.begin(), left.end()), left.end());
     std::vector<Index> all = layer_.excused;
     all.insert(all.end(), left.begin(), left.end());
-    check_.emplace(surface_, side_, all);
     layer_.tops = layer_.traced;
     std::fill(scales_.begin(), scales_.end(), 1.0);
     std::fill(leans_.begin(), leans_.end(), 1.0);
+    return check_without(all);
   }
 
   // Tops that all lie beyond the other side of a thin part meet nothing but at its rim, from where rounds
-  // would go on ring by ring. Says whether there were any.
-  bool cut_at_surface() {
+  // would go on ring by ring. Then finds what is at fault now.
+  void cut_at_surface(ShellValidity& found) {
     constexpr double k_room = 0.45;   // what is on the other side needs as much
     constexpr double k_least = 1e-6;  // rounds do what is sharper
     const std::vector<double> shares = shares_before_surface(surface_, layer_.tops);
@@ -111,22 +115,29 @@ class LayerRepair {
       place(v);
       cut.push_back(v);
     }
-    with_slopes(cut);
-    return !cut.empty();
+    if (cut.empty()) return;
+    // What was at fault before may be so still, whether it moved or not.
+    cut = with_slopes(cut);
+    const std::vector<Index> offenders = offenders_of(found);
+    cut.insert(cut.end(), offenders.begin(), offenders.end());
+    found = check_->check_moved(layer_.tops, cut);
   }
 
-  ShellValidity check_all() const {
+  // Of the layer as it is, and from now on.
+  ShellValidity check_without(std::span<const Index> excused) {
+    check_.emplace(surface_.positions, layer_.tops, surface_.triangles, excused, side_ < 0, progress_);
+    return check_->check_all();
+  }
+
+  // With what excused triangles do among themselves.
+  ShellValidity check_shell_as_it_is() const {
     ShellCheckOptions options;
     options.is_inward = side_ < 0;
     return check_shell(surface_.positions, layer_.tops, surface_.triangles, options, progress_);
   }
 
-  // Without those of excused triangles among themselves.
-  ShellValidity faults(std::span<const Index> changed) const {
-    return (*check_)(layer_.tops, changed, progress_);
-  }
-
-  // Shorter, and nearer to the normal: a director that leans over one of its triangles is of no length right.
+  // Shorter, and at last nearer to the normal: a director that leans over one of its triangles is of no
+  // length right.
   void place(Index v) {
     const Vec3 &from = surface_.positions[v], director = layer_.traced[v] - from;
     const Vec3 direction =
@@ -156,8 +167,14 @@ class LayerRepair {
       if (contact.part == ShellPart::wall) add_wall(contact.other);
     }
     if (!found.nested_pieces.empty()) {
-      // Seldom, and all of a piece is at fault: everything gets shorter.
-      for (std::size_t t = 0; 3 * t < surface_.triangles.size(); ++t) add_corners(t);
+      // All of both pieces is at fault.
+      const std::vector<Index>& piece_of = check_->pieces().piece_of_triangle;
+      std::vector<unsigned char> is_nested(check_->pieces().n_pieces(), 0);
+      for (const auto& [inner, outer] : found.nested_pieces)
+        is_nested[piece_of[inner]] = is_nested[piece_of[outer]] = 1;
+      for (std::size_t t = 0; t < piece_of.size(); ++t) {
+        if (piece_of[t] != k_no_index && is_nested[piece_of[t]] != 0) add_corners(t);
+      }
     }
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -216,24 +233,24 @@ class LayerRepair {
         grown.push_back(v);
       }
       if (grown.empty()) return;
-      while (!grown.empty()) {
-        const ShellValidity found = faults(grown);
-        if (found.is_valid()) break;
-        std::vector<Index> back;
+      // Whatever is found has a part that grew, whose corners go back: that's what there is to look at next.
+      std::vector<Index> moved = grown;
+      for (ShellValidity found; !(found = check_->check_moved(layer_.tops, moved)).is_valid();) {
+        moved.clear();
         for (const Index v : offenders_of(found)) {
           if (scales_[v] == before[v]) continue;
           scales_[v] = before[v];
           place(v);
-          back.push_back(v);
+          moved.push_back(v);
         }
+        if (!moved.empty()) continue;
         // Nobody's own fault: all go back.
-        if (back.empty()) {
-          for (const Index v : grown) {
-            scales_[v] = before[v];
-            place(v);
-          }
-          break;
+        for (const Index v : grown) {
+          scales_[v] = before[v];
+          place(v);
         }
+        check_->check_moved(layer_.tops, grown);
+        break;
       }
     }
   }
@@ -242,7 +259,7 @@ class LayerRepair {
   double side_;
   ShellLayer& layer_;
   Progress* progress_;
-  std::optional<ExcusingCheck> check_;
+  std::optional<LayerCheck> check_;
   std::vector<double> scales_;  // of lengths
   std::vector<double> leans_;   // 1: as traced, 0: along the normal
   std::vector<std::size_t> starts_;

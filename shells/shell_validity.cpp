@@ -1,6 +1,8 @@
 #include <recede/geometry/error.h>
 #include <recede/shells/detail/layer_boundary.h>
+#include <recede/shells/detail/layer_check.h>
 #include <recede/shells/detail/prism.h>
+#include <recede/shells/detail/shell_excuses.h>
 #include <recede/shells/shell_validity.h>
 
 #include <fmt/format.h>
@@ -44,6 +46,17 @@ void check_input(std::span<const Vec3> bottom, std::span<const Vec3> top, std::s
   }
 }
 
+LayerBoundary layer_of(std::span<const Vec3> bottom, std::span<const Vec3> top,
+                       std::span<const Index> triangles, const ShellCheckOptions& options) {
+  check_input(bottom, top, triangles, options);
+  LayerBoundary layer;
+  layer.points.assign(bottom.begin(), bottom.end());
+  layer.points.insert(layer.points.end(), top.begin(), top.end());
+  layer.triangles = triangles;
+  layer.pieces = detail::find_shell_pieces(bottom.size(), triangles);
+  return layer;
+}
+
 /// Which triangles are to be looked at.
 class Selection {
  public:
@@ -70,23 +83,25 @@ class Selection {
   std::vector<char> triangles_, pieces_;
 };
 
+bool is_inverted(const LayerBoundary& layer, Index triangle, bool is_inward) {
+  detail::Prism prism;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Index vertex = layer.triangles[3 * std::size_t{triangle} + k];
+    prism.bottom[k] = layer.points[vertex];
+    prism.top[k] = layer.points[vertex + layer.n_vertices()];
+  }
+  return !detail::has_one_orientation(prism, is_inward);
+}
+
 std::vector<Index> find_inverted(const LayerBoundary& layer, const Selection& selection, bool is_inward) {
-  std::vector<char> is_inverted(layer.n_triangles(), 0);
+  std::vector<char> inverted_here(layer.n_triangles(), 0);
   tbb::parallel_for(tbb::blocked_range<Index>(0, layer.n_triangles()), [&](const auto& range) {
-    for (Index t = range.begin(); t < range.end(); ++t) {
-      if (!selection.has(t)) continue;
-      detail::Prism prism;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index vertex = layer.triangles[3 * std::size_t{t} + k];
-        prism.bottom[k] = layer.points[vertex];
-        prism.top[k] = layer.points[vertex + layer.n_vertices()];
-      }
-      is_inverted[t] = !detail::has_one_orientation(prism, is_inward);
-    }
+    for (Index t = range.begin(); t < range.end(); ++t)
+      inverted_here[t] = selection.has(t) && !layer.is_excused(t) && is_inverted(layer, t, is_inward);
   });
   std::vector<Index> inverted;
   for (Index t = 0; t < layer.n_triangles(); ++t) {
-    if (is_inverted[t] != 0) inverted.push_back(t);
+    if (inverted_here[t] != 0) inverted.push_back(t);
   }
   return inverted;
 }
@@ -150,6 +165,16 @@ class ContactSearch {
     });
   }
 
+  /// The pairs with a part that moved, where `has_moved` says so of each part; in leaves that have some.
+  void beside(const BoxTree& tree, std::span<const std::size_t> leaves,
+              std::span<const unsigned char> has_moved) {
+    in_blocks(leaves.size(), [&](std::size_t i, ShellValidity& found) {
+      tree.visit_selected_pairs(
+          leaves[i], [&](Index part) { return has_moved[part] != 0; },
+          [&](Index a, Index b) { test(a, b, found); });
+    });
+  }
+
   void move_to(ShellValidity& validity) {
     ShellValidity all;
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -180,7 +205,8 @@ class ContactSearch {
   }
 
   void test(Index a, Index b, ShellValidity& found) const {
-    if (has_contact(layer_.points, layer_.simplex(a), layer_.simplex(b))) add_contact(layer_, a, b, found);
+    if (layer_.are_compared(a, b) && has_contact(layer_.points, layer_.simplex(a), layer_.simplex(b)))
+      add_contact(layer_, a, b, found);
   }
 
   const LayerBoundary& layer_;
@@ -206,13 +232,8 @@ bool ShellValidity::is_valid() const {
 ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> top,
                           std::span<const Index> triangles, const ShellCheckOptions& options,
                           Progress* progress) {
-  check_input(bottom, top, triangles, options);
   report_progress(progress, "check prisms", 0);
-  LayerBoundary layer;
-  layer.points.assign(bottom.begin(), bottom.end());
-  layer.points.insert(layer.points.end(), top.begin(), top.end());
-  layer.triangles = triangles;
-  layer.pieces = detail::find_shell_pieces(bottom.size(), triangles);
+  const LayerBoundary layer = layer_of(bottom, top, triangles, options);
   const Selection selection(layer, options);
   ShellValidity validity;
   validity.inverted = find_inverted(layer, selection, options.is_inward);
@@ -236,5 +257,83 @@ ShellValidity check_shell(std::span<const Vec3> bottom, std::span<const Vec3> to
   report_progress(progress, "find contacts", 1);
   return validity;
 }
+
+namespace detail {
+
+LayerCheck::LayerCheck(std::span<const Vec3> bottom, std::span<const Vec3> top,
+                       std::span<const Index> triangles, std::span<const Index> excused, bool is_inward,
+                       Progress* progress)
+    : layer_(excusing(layer_of(bottom, top, triangles, {}), excused)),
+      is_inward_(is_inward),
+      progress_(progress),
+      starts_(bottom.size() + 1, 0),
+      around_(triangles.size()),
+      tree_(boxes_of_parts(layer_)),
+      has_moved_(layer_.n_parts(), 0) {
+  for (const Index v : triangles) ++starts_[v + 1];
+  for (std::size_t v = 0; v < bottom.size(); ++v) starts_[v + 1] += starts_[v];
+  std::vector<std::size_t> next(starts_.begin(), starts_.end() - 1);
+  for (std::size_t c = 0; c < triangles.size(); ++c)
+    around_[next[triangles[c]]++] = static_cast<Index>(c / 3);
+}
+
+void LayerCheck::add_nested_pieces(ShellValidity& validity) const {
+  if (layer_.pieces.n_pieces() > 1) validity.nested_pieces = find_nested_pieces(layer_, tree_);
+}
+
+ShellValidity LayerCheck::check_all() const {
+  ShellValidity validity;
+  validity.inverted = find_inverted(layer_, Selection(layer_, {}), is_inward_);
+  ContactSearch search(layer_, progress_);
+  search.among(tree_);
+  search.move_to(validity);
+  validity.overlapping_neighbours = layer_.pieces.overlapping_neighbours;
+  add_nested_pieces(validity);
+  return validity;
+}
+
+ShellValidity LayerCheck::check_moved(std::span<const Vec3> top, std::span<const Index> vertices) {
+  const Index n = layer_.n_triangles();
+  std::vector<Index> triangles;
+  for (const Index v : vertices) {
+    layer_.points[layer_.n_vertices() + v] = top[v];
+    triangles.insert(triangles.end(), around_.begin() + static_cast<std::ptrdiff_t>(starts_[v]),
+                     around_.begin() + static_cast<std::ptrdiff_t>(starts_[v + 1]));
+  }
+  std::sort(triangles.begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  std::vector<Index> moved;
+  for (const Index t : triangles) {
+    moved.push_back(n + t);
+    const auto& walls = layer_.pieces.walls;
+    for (auto wall = std::lower_bound(walls.begin(), walls.end(), 3 * t);
+         wall != walls.end() && *wall / 3 == t; ++wall)
+      moved.push_back(2 * n + static_cast<Index>(wall - walls.begin()));
+  }
+  std::vector<std::size_t> leaves;
+  for (const Index part : moved) {
+    has_moved_[part] = 1;
+    tree_.move(part, box_of_part(layer_, part));
+    leaves.push_back(tree_.leaf_of(part));
+  }
+  std::sort(leaves.begin(), leaves.end());
+  leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
+  std::vector<char> inverted_here(triangles.size(), 0);
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+    inverted_here[i] = !layer_.is_excused(triangles[i]) && is_inverted(layer_, triangles[i], is_inward_);
+  });
+  ShellValidity validity;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (inverted_here[i] != 0) validity.inverted.push_back(triangles[i]);
+  }
+  ContactSearch search(layer_, progress_);
+  search.beside(tree_, leaves, has_moved_);
+  search.move_to(validity);
+  add_nested_pieces(validity);
+  for (const Index part : moved) has_moved_[part] = 0;
+  return validity;
+}
+
+}  // namespace detail
 
 }  // namespace recede

@@ -24,8 +24,8 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
     `thickness` is in units of the mesh, `relative_thickness` a share of the diagonal, `thicknesses` one of each vertex.
     `side` is "exterior", "interior" or "envelope", which is both. `directors` lead along the gradient of an averaged
     distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
-    `power` and `form` are those of `averaged_distance`; `step` the longest step as a share of the thickness, and the largest
-    turn in radians; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
+    `power` and `form` are those of `averaged_distance`; `step` says how long steps of directors are, 2.5 times this share of
+    the thickness at most; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
     `repair` directors are shortened until the layer is valid. See docs/shells.md.
 
     Raises `OptionError` for what is out of range, `InputError` for a mesh without area.

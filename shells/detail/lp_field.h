@@ -21,9 +21,13 @@ class LpField {
  public:
   LpField(const PolygonSoup& surface, const LpDistanceOptions& options);
   LpValue at(const Vec3& point) const;
+  /// At points near to each other: within a support many times as fast, and up to rounding the same. The
+  /// values don't depend on which points are asked for together.
+  void at_each(std::span<const Vec3> points, std::span<LpValue> values) const;
   double area() const { return area_; }
 
  private:
+  LpQuery query_of(const Vec3& point) const;
   LpValue value_of(const LpSums& sums, double unit) const;
 
   LpDistanceOptions options_;
@@ -31,6 +35,7 @@ class LpField {
   double area_ = 0;     // object units
   double support_ = 0;  // in the frame
   LpTree tree_;
+  std::vector<LpFade> fades_;                        // of the tree's nodes, where packets are summed up
   std::unique_ptr<const ClosestPointTree> nearest_;  // unless p = 3
 };
 

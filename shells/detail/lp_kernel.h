@@ -29,6 +29,13 @@ struct LpNodeExtent {
   double remainder[k_lp_lanes];
 };
 
+/// Squared distances from a child's centroid that decide within a support.
+struct LpFade {
+  double squared_full[k_lp_lanes];   ///< below this all of the child has the weight 1
+  double squared_end[k_lp_lanes];    ///< above this all of it has the weight 0
+  double squared_limit[k_lp_lanes];  ///< from here on it isn't summed up, as its weights differ too much
+};
+
 /// Four triangles, or points as their first corners. Empty lanes have neither area nor mass.
 struct LpBlock {
   double corners[3][3][k_lp_lanes];  ///< corner, coordinate
@@ -38,6 +45,8 @@ struct LpBlock {
 };
 
 inline constexpr double k_lp_fade_end = 1.25;  ///< of the support
+/// Where weights differ, the largest radius of a part that is summed up, of the support.
+inline constexpr double k_lp_fading_part = 0.3;
 /// Of the support: by how much a triangle's radius exceeds this, by so much it counts as nearer. Else all of
 /// a surface of large triangles would be out of sight of a point on it.
 inline constexpr double k_lp_large_triangle = 0.125;
@@ -70,11 +79,16 @@ struct LpArrays {
 
 struct LpKernel {
   LpSums (*sum)(const LpArrays& arrays, const LpQuery& query);
+  /// Of triangles for p = 3 and a finite support without bounds, at `n` points that had best be near to each
+  /// other. A point's sums don't depend on the others.
+  void (*sum_packet)(const LpArrays& arrays, const LpFade* fades, const LpQuery* queries, int n,
+                     LpSums* sums);
 };
 
 /// The version for this processor. All have the same results.
 const LpKernel& lp_kernel();
 extern const LpKernel k_lp_kernel_baseline;
-extern const LpKernel k_lp_kernel_avx2;  ///< for x86-64 only
+extern const LpKernel k_lp_kernel_avx2;    ///< for x86-64 only
+extern const LpKernel k_lp_kernel_avx512;  ///< as well
 
 }  // namespace recede::detail

@@ -39,4 +39,7 @@ struct LpTree {
   std::vector<LpBlock> blocks;
 };
 
+/// Of each node, for a support in the units of the tree.
+std::vector<LpFade> fades_of(const LpTree& tree, double support);
+
 }  // namespace recede::detail

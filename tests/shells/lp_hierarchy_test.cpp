@@ -1,5 +1,6 @@
 // What summing up parts of a surface adds to its averaged distance.
 #include "lp_shapes.h"
+#include <recede/shells/detail/lp_field.h>
 #include <recede/shells/detail/lp_tree.h>
 
 #include <gtest/gtest.h>
@@ -169,6 +170,52 @@ TEST(LpHierarchy, KernelsForAllProcessorsHaveTheSameBits) {
         EXPECT_EQ(a.error, b.error);
         EXPECT_EQ(a.gradient_error, b.gradient_error);
       }
+    }
+  }
+  const std::vector<Vec3> places = places_around(surface);
+  const double support = 0.8;
+  const std::vector<detail::LpFade> fades = detail::fades_of(tree, support);
+  for (std::size_t first = 0; first + 5 <= places.size(); first += 5) {
+    std::array<detail::LpQuery, 5> queries;
+    for (std::size_t i = 0; i < 5; ++i) {
+      const Vec3& x = places[first + i];
+      queries[i] = {{x.x(), x.y(), x.z()}, 3, 1, support, false, tree.first_order_left_out()};
+    }
+    std::array<detail::LpSums, 5> a, b;
+    detail::k_lp_kernel_baseline.sum_packet(arrays, fades.data(), queries.data(), 5, a.data());
+    detail::lp_kernel().sum_packet(arrays, fades.data(), queries.data(), 5, b.data());
+    for (std::size_t i = 0; i < 5; ++i) {
+      EXPECT_EQ(a[i].integral, b[i].integral);
+      EXPECT_EQ(a[i].gradient[0], b[i].gradient[0]);
+      EXPECT_EQ(a[i].gradient[1], b[i].gradient[1]);
+      EXPECT_EQ(a[i].gradient[2], b[i].gradient[2]);
+      EXPECT_EQ(a[i].area, b[i].area);
+    }
+  }
+}
+
+TEST(LpHierarchy, PointsAskedForTogetherHaveTheSameBitsInAnyCompany) {
+  const PolygonSoup surface = bumpy_ellipsoid(4);
+  const std::vector<Vec3> places = places_around(surface);
+  // Within the last two the surface counts in part and nowhere in full.
+  for (const double support : {2.0, 0.8, 0.2, 0.03}) {
+    const LpDistanceOptions options{.support = support};
+    const detail::LpField field(surface, options);
+    std::vector<LpValue> together(places.size()), alone(places.size());
+    field.at_each(places, together);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      field.at_each(std::span(places).subspan(i, 1), std::span(alone).subspan(i, 1));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      EXPECT_EQ(together[i].distance, alone[i].distance);
+      EXPECT_EQ(together[i].gradient, alone[i].gradient);
+      const LpValue value = field.at(places[i]);
+      if (std::isinf(value.distance)) {
+        EXPECT_EQ(together[i].distance, value.distance);
+        continue;
+      }
+      // Sums of some hundred parts in another order.
+      EXPECT_NEAR(together[i].distance / value.distance, 1, 1e-12);
+      EXPECT_LT((together[i].gradient - value.gradient).norm(), 1e-11 * (1 + value.gradient.norm()));
     }
   }
 }

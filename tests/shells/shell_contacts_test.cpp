@@ -1,4 +1,5 @@
 #include "whole_shells.h"
+#include <recede/shells/detail/layer_check.h>
 #include <recede/shells/detail/simplex_contact.h>
 
 #include <gtest/gtest.h>
@@ -326,6 +327,122 @@ TEST(ShellContacts, AtChangedVerticesAreThoseOfAllRestrictedToThem) {
     }
   }
   EXPECT_GT(n, 500u);
+}
+
+// What is found in all of it, without what no part that moves with these vertices takes part in.
+ShellValidity of_moved(ShellValidity found, const Layer& layer, const std::vector<Index>& moved) {
+  const auto has = [&](Index triangle) { return has_one_of(layer, triangle, moved); };
+  std::erase_if(found.inverted, [&](Index t) { return !has(t); });
+  found.bottom_contacts.clear();
+  found.overlapping_neighbours.clear();
+  std::erase_if(found.top_contacts, [&](const auto& p) { return !has(p.first) && !has(p.second); });
+  std::erase_if(found.layer_contacts, [&](const auto& p) { return !has(p.second); });
+  std::erase_if(found.wall_contacts, [&](const WallContact& wall) {
+    const bool is_other_moved = wall.part == ShellPart::wall  ? has(wall.other / 3)
+                                : wall.part == ShellPart::top ? has(wall.other)
+                                                              : false;
+    return !has(wall.corner / 3) && !is_other_moved;
+  });
+  return found;
+}
+
+// Those of some vertices, a few perhaps twice; returns which.
+std::vector<Index> move_some_tops(int count, Layer& layer, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  std::vector<Index> moved;
+  for (int i = 0; i < count; ++i) {
+    const auto v = static_cast<Index>(random() % layer.bottom.size());
+    const double length = (layer.top[v] - layer.bottom[v]).norm();
+    layer.top[v] += length * Vec3(normal(random), normal(random), normal(random));
+    moved.push_back(v);
+  }
+  return moved;
+}
+
+TEST(ShellContacts, OfTopsThatMoveAgainAndAgainAreThoseOfAll) {
+  std::mt19937 random(9);
+  std::size_t n = 0;
+  for (const auto& named : meshed_layers()) {
+    Layer layer = named.second;
+    SCOPED_TRACE(named.first);
+    detail::LayerCheck check(layer.bottom, layer.top, layer.triangles, {}, false, nullptr);
+    EXPECT_EQ(check.check_all(), test::check(layer));
+    for (int round = 0; round < 5; ++round) {
+      const std::vector<Index> moved = move_some_tops(3 * round, layer, random);
+      const ShellValidity found = check.check_moved(layer.top, moved);
+      EXPECT_EQ(found, of_moved(test::check(layer), layer, moved));
+      n += n_contacts(found);
+      EXPECT_EQ(check.check_all(), test::check(layer));
+    }
+  }
+  EXPECT_GT(n, 500u);
+}
+
+// By a check of the whole and one of the rest alone, which has the walls around the excused triangles.
+ShellValidity expected_beside(const Layer& layer, const std::vector<unsigned char>& is_excused) {
+  ShellValidity found = test::check(layer);
+  const auto are_excused = [&](const auto& p) {
+    return is_excused[p.first] != 0 && is_excused[p.second] != 0;
+  };
+  std::erase_if(found.inverted, [&](Index t) { return is_excused[t] != 0; });
+  for (ShellValidity::Pairs* pairs :
+       {&found.bottom_contacts, &found.overlapping_neighbours, &found.top_contacts, &found.layer_contacts})
+    std::erase_if(*pairs, are_excused);
+  std::erase_if(found.wall_contacts, [&](const WallContact& wall) {
+    return are_excused(
+        std::pair(wall.corner / 3, wall.part == ShellPart::wall ? wall.other / 3 : wall.other));
+  });
+  std::vector<Index> rest;
+  Layer alone = layer;
+  alone.triangles.clear();
+  for (std::size_t t = 0; t < is_excused.size(); ++t) {
+    if (is_excused[t] != 0) continue;
+    rest.push_back(static_cast<Index>(t));
+    for (std::size_t k = 0; k < 3; ++k) alone.triangles.push_back(layer.triangles[3 * t + k]);
+  }
+  const ShellValidity of_rest = test::check(alone);
+  found.nested_pieces.clear();
+  for (const auto& [a, b] : of_rest.nested_pieces) found.nested_pieces.emplace_back(rest[a], rest[b]);
+  const auto corner_of = [&](Index corner) { return 3 * rest[corner / 3] + corner % 3; };
+  for (const WallContact& wall : of_rest.wall_contacts) {
+    const bool is_wall = wall.part == ShellPart::wall;
+    found.wall_contacts.push_back(
+        {corner_of(wall.corner), wall.part, is_wall ? corner_of(wall.other) : rest[wall.other]});
+  }
+  std::sort(found.wall_contacts.begin(), found.wall_contacts.end());
+  found.wall_contacts.erase(std::unique(found.wall_contacts.begin(), found.wall_contacts.end()),
+                            found.wall_contacts.end());
+  return found;
+}
+
+TEST(ShellContacts, BesideExcusedTrianglesAreThoseOfTheRestAndWithThem) {
+  std::mt19937 random(10);
+  std::size_t n = 0, n_nested = 0;
+  for (const auto& named : meshed_layers()) {
+    SCOPED_TRACE(named.first);
+    for (const unsigned one_of : {2u, 6u}) {
+      Layer layer = named.second;
+      std::vector<unsigned char> is_excused;
+      std::vector<Index> excused;
+      for (Index t = 0; 3 * t < layer.triangles.size(); ++t) {
+        is_excused.push_back(random() % one_of == 0);
+        if (is_excused.back() != 0) excused.push_back(t);
+      }
+      detail::LayerCheck check(layer.bottom, layer.top, layer.triangles, excused, false, nullptr);
+      EXPECT_EQ(check.check_all(), expected_beside(layer, is_excused));
+      for (int round = 0; round < 3; ++round) {
+        const std::vector<Index> moved = move_some_tops(6 * round, layer, random);
+        const ShellValidity found = check.check_moved(layer.top, moved),
+                            expected = expected_beside(layer, is_excused);
+        EXPECT_EQ(found, of_moved(expected, layer, moved));
+        EXPECT_EQ(check.check_all(), expected);
+        n += n_contacts(found);
+        n_nested += found.nested_pieces.size();
+      }
+    }
+  }
+  EXPECT_GT(n, 500u);
+  EXPECT_GT(n_nested, 0u);
 }
 
 }  // namespace

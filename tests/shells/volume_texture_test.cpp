@@ -58,7 +58,8 @@ TEST(VolumeTexture, RepeatsOrEnds) {
   EXPECT_EQ(opacity_at(texture, {-5, 0.5, 0.5}), 1);
   EXPECT_EQ(opacity_at(texture, {5, 0.5, 0.5}), 0);
   // One texel along t and r: nothing changes there.
-  EXPECT_EQ(opacity_gradient(texture, {0.25, 0.5, 0.5}), Vec3(-1 / 0.375, 0, 0));  // from the first to the second gap
+  EXPECT_EQ(opacity_gradient(texture, {0.25, 0.5, 0.5}),
+            Vec3(-1 / 0.375, 0, 0));  // from the first to the second gap
 }
 
 TEST(VolumeTexture, RefusesWhatItCannotHold) {

@@ -26,10 +26,10 @@ inline Double4 arc_tangent_tail(Double4 z) {
 /// For an edge from a to b, |a| |b| + a.b: by the cross product where the edge is seen under an obtuse angle,
 /// as the sum would cancel.
 inline Double4 edge_term(const Vector4& a, const Vector4& b, Double4 lengths, Double4 dot_ab) {
-  const Vector4 normal = cross(a, b);
   const Mask4 is_obtuse = dot_ab < all4(0);
-  const Double4 stable = dot(normal, normal) / (lengths - dot_ab);
-  return select(is_obtuse, stable, lengths + dot_ab);
+  if (bits_of(is_obtuse) == 0) return lengths + dot_ab;
+  const Vector4 normal = cross(a, b);
+  return select(is_obtuse, dot(normal, normal) / (lengths - dot_ab), lengths + dot_ab);
 }
 
 /// Triangles by their corners relative to the point of interest, their unit normals (those of a
@@ -75,14 +75,16 @@ RECEDE_INLINE Integral4 integrate_cubic(const Vector4& a, const Vector4& b, cons
   const Double4 small_ratio = twice_area * inverse;
   const Double4 value =
       select(is_small, two * small_ratio * (one + z * tail), two * half_angle * magnitude(inverse));
+  const Double4 secant = one / (one + z);
   const Double4 by_height_small =
-      two * small_ratio * w *
-      (-slope * inverse / (one + z) - small_ratio * small_ratio * (one / (one + z) + tail));
-  const Double4 angle_slope =
-      twice_area * (denominator - w * w * slope) / (eab * ebc * eca);  // of Omega by |w|
+      two * small_ratio * w * (-slope * inverse * secant - small_ratio * small_ratio * (secant + tail));
+  // Each edge's term is the product of the other two over that of all three.
+  const Double4 eab_ebc = eab * ebc, around_all = one / (eab_ebc * eca);
+  const Double4 angle_slope = twice_area * (denominator - w * w * slope) * around_all;  // of Omega by |w|
   const Double4 by_height = select(is_small, by_height_small, (angle_slope - value) * inverse);
 
-  const Double4 lab = (ia + ib) / eab, lbc = (ib + ic) / ebc, lca = (ic + ia) / eca;
+  const Double4 lab = (ia + ib) * (ebc * eca * around_all), lbc = (ib + ic) * (eab * eca * around_all),
+                lca = (ic + ia) * (eab_ebc * around_all);
   const Vector4 around = {(b.x - a.x) * lab + (c.x - b.x) * lbc + (a.x - c.x) * lca,
                           (b.y - a.y) * lab + (c.y - b.y) * lbc + (a.y - c.y) * lca,
                           (b.z - a.z) * lab + (c.z - b.z) * lbc + (a.z - c.z) * lca};

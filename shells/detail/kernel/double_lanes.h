@@ -3,6 +3,10 @@
 // internal linkage, so that no version of it is called by sources compiled for older processors.
 #pragma once
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 // For what a query does many times: calls would pass lanes through memory.
 #define RECEDE_INLINE inline __attribute__((always_inline))
 
@@ -32,6 +36,15 @@ inline Double4 where(Mask4 mask, Double4 value) {
   return reinterpret_cast<Double4>(mask & reinterpret_cast<Mask4>(value));
 }
 
+/// A bit for each lane of a comparison.
+inline unsigned bits_of(Mask4 mask) {
+#if defined(__AVX__)
+  return static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Double4>(mask)));
+#else
+  return static_cast<unsigned>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+
 inline Double4 root(Double4 x) {
   return Double4{__builtin_sqrt(x[0]), __builtin_sqrt(x[1]), __builtin_sqrt(x[2]), __builtin_sqrt(x[3])};
 }
@@ -43,16 +56,59 @@ inline Double4 magnitude(Double4 x) {
 
 inline double total(Double4 x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
-/// Three coordinates of four vectors.
-struct Vector4 {
-  Double4 x, y, z;
+/// Three coordinates of vectors, one in each lane.
+template <typename Double>
+struct VectorLanes {
+  Double x, y, z;
 };
+using Vector4 = VectorLanes<Double4>;
 
-inline Vector4 operator-(const Vector4& a, const Vector4& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Double4 dot(const Vector4& a, const Vector4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <typename Double>
+inline VectorLanes<Double> operator-(const VectorLanes<Double>& a, const VectorLanes<Double>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <typename Double>
+inline Double dot(const VectorLanes<Double>& a, const VectorLanes<Double>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Vector4 cross(const Vector4& a, const Vector4& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+
+/// As many lanes as the processor has: numbers, and a bit for each lane where something holds.
+struct FourLanes {
+  using Double = Double4;
+  static constexpr int k_size = 4;
+  static Double all(double value) { return all4(value); }
+  static unsigned less(Double a, Double b) { return bits_of(a < b); }
+  static unsigned at_most(Double a, Double b) { return bits_of(a <= b); }
+  static Double square_root(Double x) { return root(x); }
+  static Double larger_of(Double a, Double b) { return larger(a, b); }
+  static Double smaller_of(Double a, Double b) { return select(a < b, a, b); }
+  static Double where_set(unsigned bits, Double value) {
+    const Mask4 all = {bits, bits, bits, bits};
+    return where((all & Mask4{1, 2, 4, 8}) != Mask4{0, 0, 0, 0}, value);
+  }
+};
+
+#if defined(__AVX512F__)
+struct EightLanes {
+  using Double = double __attribute__((vector_size(64)));
+  static constexpr int k_size = 8;
+  static Double all(double value) { return _mm512_set1_pd(value); }
+  static unsigned less(Double a, Double b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+  static unsigned at_most(Double a, Double b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
+  static Double square_root(Double x) { return _mm512_sqrt_pd(x); }
+  static Double larger_of(Double a, Double b) { return _mm512_max_pd(a, b); }
+  static Double smaller_of(Double a, Double b) { return _mm512_min_pd(a, b); }
+  static Double where_set(unsigned bits, Double value) {
+    return _mm512_maskz_mov_pd(static_cast<__mmask8>(bits), value);
+  }
+};
+using WidestLanes = EightLanes;
+#else
+using WidestLanes = FourLanes;
+#endif
 
 }  // namespace
 }  // namespace recede::detail

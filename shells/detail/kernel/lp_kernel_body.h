@@ -1,24 +1,10 @@
 // One version of the kernel. The source that includes it defines RECEDE_KERNEL as its name.
-#include <recede/shells/detail/kernel/cubic_triangle.h>
+#include <recede/shells/detail/kernel/lp_packet.h>
+#include <recede/shells/detail/kernel/lp_totals.h>
 #include <recede/shells/detail/lp_kernel.h>
 
 namespace recede::detail {
 namespace {
-
-/// Where weights differ, the largest radius of a part that is summed up, of the support.
-constexpr double k_fading_part = 0.25;
-
-/// 1 up to the support, 0 from 5/4 of it on.
-inline Double4 weight_of(Double4 distance, double support) {
-  const Double4 t = (all4(k_lp_fade_end * support) - distance) / all4((k_lp_fade_end - 1) * support);
-  const Double4 zero = all4(0), one = all4(1);
-  const Double4 inside = select(t < zero, zero, select(t > one, one, t));
-  return inside * inside * (all4(3) - all4(2) * inside);
-}
-
-inline Vector4 vectors_at(const double (&values)[3][4]) {
-  return {lanes_at(values[0]), lanes_at(values[1]), lanes_at(values[2])};
-}
 
 struct Setting {
   explicit Setting(const LpQuery& query)
@@ -68,7 +54,7 @@ struct Totals {
       // Weights are those of triangles: where they differ, bounds ask for the triangles, others for small
       // parts.
       const Mask4 is_full = distance + radius < all4(setting.support);
-      const Mask4 is_small = radius < all4(k_fading_part * setting.support);
+      const Mask4 is_small = radius < all4(k_lp_fading_part * setting.support);
       is_far &= is_bounded ? is_full : (is_full | is_small);
     }
     const Mask4 counts = is_far & ~is_out;
@@ -98,33 +84,6 @@ struct Totals {
     error += all4(setting.error_factor) * remainder;
     gradient_error += all4(setting.gradient_error_factor) * remainder * nearest;
   }
-
-  void add_triangles(const Setting& setting, const LpBlock& block) {
-    const Vector4 a = vectors_at(block.corners[0]) - setting.x, b = vectors_at(block.corners[1]) - setting.x,
-                  c = vectors_at(block.corners[2]) - setting.x;
-    Integral4 part = integrate_cubic(a, b, c, vectors_at(block.normal), lanes_at(block.twice_area));
-    Double4 area = lanes_at(block.mass);
-    if constexpr (is_weighted) {
-      const Double4 third = all4(1.0 / 3);
-      const Vector4 centroid = {(a.x + b.x + c.x) * third, (a.y + b.y + c.y) * third,
-                                (a.z + b.z + c.z) * third};
-      const Vector4 to_a = a - centroid, to_b = b - centroid, to_c = c - centroid;
-      const Double4 radius = root(larger(dot(to_a, to_a), larger(dot(to_b, to_b), dot(to_c, to_c))));
-      const Double4 excess = larger(radius - all4(k_lp_large_triangle * setting.support), all4(0));
-      const Double4 weight = weight_of(root(dot(centroid, centroid)) - excess, setting.support);
-      // A triangle that doesn't count may be anywhere, but not the reason for an infinity.
-      const Mask4 counts = weight > all4(0);
-      part.value = where(counts, part.value * weight);
-      part.gradient = {where(counts, part.gradient.x * weight), where(counts, part.gradient.y * weight),
-                       where(counts, part.gradient.z * weight)};
-      area *= weight;
-    }
-    value += part.value;
-    gradient.x += part.gradient.x;
-    gradient.y += part.gradient.y;
-    gradient.z += part.gradient.z;
-    mass += area;
-  }
 };
 
 /// What is still to be visited. Children go where they belong without a branch for each, which processors
@@ -153,6 +112,7 @@ template <bool is_cubic, bool is_weighted, bool is_bounded>
 LpSums sum_tree(const LpArrays& arrays, const LpQuery& query) {
   const Setting setting(query);
   Totals<is_cubic, is_weighted, is_bounded> totals;
+  LeafTotals leaves;
   LpSums sums;
   Pending pending;
   pending.nodes[pending.n_nodes++] = 0;
@@ -173,18 +133,18 @@ LpSums sum_tree(const LpArrays& arrays, const LpQuery& query) {
     for (int k = 0; k < pending.n_leaves; ++k) {
       const LpBlock& block = arrays.blocks[pending.leaves[k]];
       if (is_cubic && arrays.add_leaf == nullptr) {
-        totals.add_triangles(setting, block);
+        leaves.add<is_weighted>(setting.x, setting.support, block);
       } else {
         arrays.add_leaf(block, query, sums);
       }
     }
     pending.n_leaves = 0;
   }
-  sums.integral += total(totals.value);
-  sums.gradient[0] += total(totals.gradient.x);
-  sums.gradient[1] += total(totals.gradient.y);
-  sums.gradient[2] += total(totals.gradient.z);
-  sums.area += total(totals.mass);
+  sums.integral += total(totals.value + leaves.value);
+  sums.gradient[0] += total(totals.gradient.x + leaves.gradient.x);
+  sums.gradient[1] += total(totals.gradient.y + leaves.gradient.y);
+  sums.gradient[2] += total(totals.gradient.z + leaves.gradient.z);
+  sums.area += total(totals.mass + leaves.mass);
   sums.error = total(totals.error);
   sums.gradient_error = total(totals.gradient_error);
   return sums;
@@ -206,6 +166,6 @@ LpSums sum_all(const LpArrays& arrays, const LpQuery& query) {
 
 }  // namespace
 
-const LpKernel RECEDE_KERNEL = {sum_all};
+const LpKernel RECEDE_KERNEL = {sum_all, sum_packet};
 
 }  // namespace recede::detail
