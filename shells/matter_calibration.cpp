@@ -9,12 +9,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace recede::detail {
 
 namespace {
 
-constexpr int k_rays_along = 20;  // squared: rays of a direction
+// Squared: rays of a direction. Flat ones pass more of the layer, and differ less.
+int rays_along(const Vec3& direction) {
+  return std::max(6, static_cast<int>(22 * std::sqrt(std::abs(direction.z()))));
+}
 
 constexpr double k_degree = std::numbers::pi / 180;
 constexpr std::size_t k_rows = MatterDirections::k_elevations.size(),
@@ -43,10 +47,9 @@ double random_number(int ray, std::uint64_t which) {
   return static_cast<double>(h >> 11) * 0x1p-53;
 }
 
-Start start_of(int ray) {
-  return {(ray % k_rays_along + random_number(ray, 0)) / k_rays_along,
-          (ray / k_rays_along + random_number(ray, 1)) / k_rays_along, random_number(ray, 2) - 0.5,
-          random_number(ray, 3) - 0.5};
+Start start_of(int ray, int along) {
+  return {(ray % along + random_number(ray, 0)) / along, (ray / along + random_number(ray, 1)) / along,
+          random_number(ray, 2) - 0.5, random_number(ray, 3) - 0.5};
 }
 
 // A ray through the whole layer.
@@ -74,10 +77,11 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
   std::vector<SeenLayer> seen(k_directions);
   tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t d) {
     const Vec3 direction = direction_of(d);
+    const int along = rays_along(direction);
     double hits = 0;
     Vec3 normal = Vec3::Zero();
-    for (int r = 0; r < k_rays_along * k_rays_along; ++r) {
-      const LayerRay ray(start_of(r), direction, texture.extent);
+    for (int r = 0; r < along * along; ++r) {
+      const LayerRay ray(start_of(r, along), direction, texture.extent);
       const int steps =
           1 + static_cast<int>(ray.across.cwiseProduct(size_of(texture.size)).cwiseAbs().maxCoeff());
       for (int n = 0; n < steps; ++n) {
@@ -88,7 +92,7 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
         break;
       }
     }
-    seen[d] = {hits / (k_rays_along * k_rays_along), hits > 0 ? Vec3(normal / hits) : Vec3(-direction)};
+    seen[d] = {hits / (along * along), hits > 0 ? Vec3(normal / hits) : Vec3(-direction)};
   });
   return seen;
 }
@@ -105,8 +109,11 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
                                            const Vec3& direction) {
   std::vector<std::vector<Step>> rays;
   const Vec3 size = size_of(matter.size);
-  for (int r = 0; r < k_rays_along * k_rays_along; ++r) {
-    const Start start = start_of(r);
+  const int along = rays_along(direction);
+  // Of texels, once they stop a ray.
+  std::vector<std::optional<Vec3>> normals(matter.opacity.size());
+  for (int r = 0; r < along * along; ++r) {
+    const Start start = start_of(r, along);
     LayerRay ray(start, direction, finest.extent);
     ray.from += Vec3(start.shift_s / size.x(), start.shift_t / size.y(), 0);
     const int steps = 1 + static_cast<int>(ray.across.cwiseProduct(size).norm() / MatterPath::k_step);
@@ -117,8 +124,9 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
       const double stopped = path.advance(ray.at((n + 0.5) / steps), ray.across / steps);
       if (stopped <= before) continue;
       before = stopped;
-      passed.push_back({-std::log(1 - stopped),
-                        mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction)});
+      std::optional<Vec3>& normal = normals[path.texel()];
+      if (!normal) normal = mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction);
+      passed.push_back({-std::log(1 - stopped), *normal});
     }
   }
   return rays;
