@@ -15,7 +15,8 @@ VolumeTexture make_volume(const ProceduralVolume& volume, int texels, Progress* 
   VolumeOptions options{.extent = volume.extent, .color = volume.color};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double length = volume.extent[static_cast<int>(axis)] / volume.extent.x();
-    options.size[axis] = std::max(1, static_cast<int>(std::lround(texels * length)));
+    options.size[axis] =
+        std::max(1, static_cast<int>(std::lround(texels * std::exp2(std::round(std::log2(length))))));
   }
   return make_volume(volume.inside, options, progress);
 }

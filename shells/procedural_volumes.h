@@ -12,7 +12,8 @@ struct ProceduralVolume {
   std::function<Vec3(const Vec3&)> color{};  ///< as in `VolumeOptions`
 };
 
-/// Its texture: `texels` along s, and as many to the length along t and r; at least 1.
+/// Its texture: `texels` along s, and along t and r that times the power of two that makes texels most nearly
+/// cubes; at least 1.
 VolumeTexture make_volume(const ProceduralVolume& volume, int texels, Progress* progress = nullptr);
 
 struct ChainMailOptions {

@@ -254,29 +254,25 @@ TransparentVolume transparent_level(const Statistics& statistics, const VolumeTe
   return level;
 }
 
-/// Volume, and outlines along each axis, of what has an opacity of a half and more.
-std::array<double, 4> sizes_of(const VolumeTexture& texture) {
-  Grid inside(texture.size);
-  for (std::size_t i = 0; i < inside.values.size(); ++i) inside.values[i] = texture.opacity[i] >= 128 ? 1 : 0;
-  const auto mean_of = [](const Grid& grid) {
-    double sum = 0;
-    for (const float value : grid.values) sum += static_cast<double>(value);
-    return sum / static_cast<double>(grid.values.size());
-  };
-  std::array<double, 4> sizes{mean_of(inside)};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Grid rows = inside;
-    while (rows.size[axis] > 1) rows = halved(rows, axis, larger);
-    sizes[axis + 1] = mean_of(rows);
-  }
-  return sizes;
+/// Share of the texels that have an opacity of a half and more.
+double volume_of(const VolumeTexture& texture) {
+  const auto inside = std::count_if(texture.opacity.begin(), texture.opacity.end(),
+                                    [](std::uint8_t opacity) { return opacity >= 128; });
+  return static_cast<double>(inside) / static_cast<double>(texture.n_texels());
 }
 
-bool is_like(const std::array<double, 4>& level, const std::array<double, 4>& finest, double least_share) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    if (!(level[i] >= least_share * finest[i]) || !(least_share * level[i] <= finest[i])) return false;
+/// Whether a level is seen as the finest one is, in the mean over directions.
+bool is_seen_alike(const std::vector<detail::SeenLayer>& level, const std::vector<detail::SeenLayer>& finest,
+                   double tolerance) {
+  double opacity = 0, other_opacity = 0, light = 0, other_light = 0;
+  for (std::size_t d = 0; d < finest.size(); ++d) {
+    opacity += level[d].opacity;
+    other_opacity += finest[d].opacity;
+    light += level[d].opacity * level[d].normal.norm();
+    other_light += finest[d].opacity * finest[d].normal.norm();
   }
-  return true;
+  return std::abs(opacity - other_opacity) <= tolerance * other_opacity &&
+         std::abs(light - other_light) <= tolerance * other_light;
 }
 
 }  // namespace
@@ -285,6 +281,8 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
   validate(texture, "a mipmap");
   if (!(options.least_share >= 0) || !(options.least_share <= 1))
     throw OptionError("the share that levels of surfaces keep must be from 0 to 1");
+  if (!(options.seen_tolerance >= 0))
+    throw OptionError("what levels of surfaces may be seen off by is 0 or more");
   if (!(options.flatness > 0) || !(options.flatness <= 1))
     throw OptionError("the flatness of normals must be above 0 and at most 1");
   const Grid shares = coverage(texture);
@@ -295,22 +293,26 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
 
   VolumeMipmap mipmap;
   mipmap.surfaces.push_back(texture);
-  const std::array<double, 4> finest = sizes_of(texture);
+  const std::vector<detail::SeenLayer> exact = detail::measure_layer(texture);
+  const double volume = volume_of(texture);
   VolumeTexture level = texture;
   bool keeps_shape = true;
   while (!is_one(level.size)) {
     const VolumeTexture next = halved(level, statistics.shares);
-    if (keeps_shape && is_like(sizes_of(next), finest, options.least_share)) {
+    if (keeps_shape) {
+      const double share = volume_of(next);
+      keeps_shape = share >= options.least_share * volume && options.least_share * share <= volume &&
+                    is_seen_alike(detail::measure_layer(next), exact, options.seen_tolerance);
+    }
+    if (keeps_shape) {
       mipmap.surfaces.push_back(next);
     } else {
-      keeps_shape = false;
       mipmap.transparent.push_back(transparent_level(statistics, level));
     }
     statistics = halved(statistics);
     level = next;
   }
   mipmap.transparent.push_back(transparent_level(statistics, level));
-  const std::vector<detail::SeenLayer> exact = detail::measure_layer(texture);
   for (TransparentVolume& matter : mipmap.transparent) detail::calibrate(texture, exact, matter);
   return mipmap;
 }

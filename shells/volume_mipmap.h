@@ -15,8 +15,8 @@ struct MatterCorrection {
 /// Rays' directions in lengths of `VolumeTexture::extent`: rows by the angle to the layer, of columns from s
 /// on towards t, evenly by angle.
 struct MatterDirections {
-  static constexpr std::array<double, 10> k_elevations{-90, -67.5, -45, -22.5, -6,
-                                                       6,   22.5,  45,  67.5,  90};  ///< degrees
+  static constexpr std::array<double, 14> k_elevations{-90, -67.5, -45, -30, -20, -12,  -5,
+                                                       5,   12,    20,  30,  45,  67.5, 90};  ///< degrees
   static constexpr int k_columns = 8;
 };
 
@@ -52,14 +52,17 @@ struct TransparentVolume {
 };
 
 struct MipmapOptions {
-  /// The last level of surfaces keeps this share of the finest one's volume and of its outlines along each
-  /// axis, and the inverse at most; 0 to 1.
+  /// The last level of surfaces keeps this share of the finest one's volume, and the inverse at most; 0 to 1.
   double least_share = 0.75;
+  /// And it stops as many rays as that, with mean normals as long: a mean over `MatterDirections` of what is
+  /// seen differs by no more than this share.
+  double seen_tolerance = 0.05;
   /// Half-length of the third axis of the ellipsoid of a flat piece of surface, above 0 and at most 1.
   double flatness = 0.08;
 };
 
-/// Sizes halve from level to level, rounded up, until each is 1.
+/// Sizes halve from level to level, rounded up, until each is 1. Where one is odd, what is behind its middle
+/// moves by up to half a texel of the smaller level: powers of two are best.
 struct VolumeMipmap {
   std::vector<VolumeTexture> surfaces{};  ///< level 0, 1, ... last
   /// Level `surfaces.size() - 1`, which so is there twice, and those behind it.
