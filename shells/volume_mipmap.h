@@ -56,7 +56,7 @@ struct MipmapOptions {
   double least_share = 0.75;
   /// And it stops as many rays as that, with mean normals as long: a mean over `MatterDirections` of what is
   /// seen differs by no more than this share.
-  double seen_tolerance = 0.05;
+  double seen_tolerance = 0.1;
   /// Half-length of the third axis of the ellipsoid of a flat piece of surface, above 0 and at most 1.
   double flatness = 0.08;
 };
