@@ -89,8 +89,8 @@ class FarViews {
 
 }  // namespace
 
-BillboardSection measure_billboard_growth(const BenchOptions& options) {
-  BillboardSection section;
+BenchSection measure_billboard_growth(const BenchOptions& options) {
+  BenchSection section;
   section.markdown =
       "## Seconds and memory\n\nElapsed, all threads; clusters at four errors, textures of the cloud at 1 % "
       "of "
@@ -133,8 +133,8 @@ BillboardSection measure_billboard_growth(const BenchOptions& options) {
   return section;
 }
 
-BillboardSection measure_far_levels(const BenchOptions& options) {
-  BillboardSection section;
+BenchSection measure_far_levels(const BenchOptions& options) {
+  BenchSection section;
   section.markdown =
       "## Far levels\n\nThe tree where a pixel is the error, 12 views: root mean square of sRGB differences "
       "over its pixels\n\n| error | billboards | texels | bytes | off by | octahedral impostor of as many "

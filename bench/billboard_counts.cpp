@@ -84,8 +84,8 @@ double drawn_share(const Raster& color) {
 
 }  // namespace
 
-BillboardSection measure_billboard_counts(const BenchOptions& options) {
-  BillboardSection section;
+BenchSection measure_billboard_counts(const BenchOptions& options) {
+  BenchSection section;
   section.markdown =
       "## Billboards and texels\n\nBillboards / texels with sides of the error, a share of the longest "
       "side\n\n"
@@ -125,8 +125,8 @@ BillboardSection measure_billboard_counts(const BenchOptions& options) {
   return section;
 }
 
-BillboardSection measure_plane_counts(const BenchOptions& options) {
-  BillboardSection section;
+BenchSection measure_plane_counts(const BenchOptions& options) {
+  BenchSection section;
   section.markdown =
       "## Planes alone\n\nErrors are shares of the diagonal\n\n"
       "| model | 5 % | 3 % | 1 % | processor s |\n|---|---|---|---|---|\n";
@@ -150,10 +150,10 @@ BillboardSection measure_plane_counts(const BenchOptions& options) {
   return section;
 }
 
-BillboardSection measure_atlases(const BenchOptions& options) {
+BenchSection measure_atlases(const BenchOptions& options) {
   constexpr double k_share = 0.01;
   constexpr std::size_t k_few_levels = 4, k_levels = 6;
-  BillboardSection section;
+  BenchSection section;
   section.markdown =
       "## Atlas\n\nAt 1 % of the longest side; the last column is the largest change of the drawn area over "
       "4 "

@@ -137,9 +137,9 @@ std::vector<DrawnCloud> lit_clouds(const BillboardModel& model) {
 
 }  // namespace
 
-BillboardSection measure_outlines(const BenchOptions& options) {
+BenchSection measure_outlines(const BenchOptions& options) {
   constexpr int k_views = 100, k_samples = 4, k_near_views = 20, k_near_samples = 1, k_near_size = 384;
-  BillboardSection section;
+  BenchSection section;
   section.markdown =
       "## Outlines\n\nAt 1 % of the longest side: overlap ; holes, % ; extra, %. From afar: 100 views, a "
       "pixel "
@@ -170,9 +170,9 @@ BillboardSection measure_outlines(const BenchOptions& options) {
   return section;
 }
 
-BillboardSection measure_relit(const BenchOptions& options) {
+BenchSection measure_relit(const BenchOptions& options) {
   constexpr int k_views = 64, k_lights = 8;
-  BillboardSection section;
+  BenchSection section;
   section.markdown =
       "## Light\n\n64 views, each under 8 directional lights with shadows, a pixel is the error of 1 %: PSNR "
       "of all pixels, and of those that the model is in\n\n| model | | texels per error | whole picture, dB "

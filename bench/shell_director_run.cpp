@@ -28,8 +28,8 @@ std::vector<DirectorCase> director_cases() {
 
 }  // namespace
 
-ShellSection measure_shell_directors(const BenchOptions& options) {
-  ShellSection section;
+BenchSection measure_shell_directors(const BenchOptions& options) {
+  BenchSection section;
   section.markdown =
       "## Directors before repair\n\nInverted prisms, and pairs that meet; lengths over the thickness are "
       "those along the averaged distance: least, mean, most\n\n| surface | triangles | thickness | normals | "

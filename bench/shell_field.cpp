@@ -53,7 +53,7 @@ FieldErrors errors_of(const PolygonSoup& surface, std::span<const Vec3> points,
   return errors;
 }
 
-void add_openings(const BenchOptions& options, ShellSection& section) {
+void add_openings(const BenchOptions& options, BenchSection& section) {
   const BillboardModel model = billboard_model(options, "bunny00");
   const std::vector<Vec3> points = points_near(model.soup, 400, 0.005, 0.1);
   const std::vector<LpValue> exact =
@@ -83,7 +83,7 @@ void add_openings(const BenchOptions& options, ShellSection& section) {
   }
 }
 
-void add_growth(ShellSection& section) {
+void add_growth(BenchSection& section) {
   section.markdown +=
       "\nGrowing balls with ridges, microseconds of a processor for an evaluation, and over the number's "
       "binary logarithm; a finite support is 10 % of the diameter\n\n| triangles | triangles, no support | / "
@@ -111,8 +111,8 @@ void add_growth(ShellSection& section) {
 
 }  // namespace
 
-ShellSection measure_shell_field(const BenchOptions& options) {
-  ShellSection section;
+BenchSection measure_shell_field(const BenchOptions& options) {
+  BenchSection section;
   add_openings(options, section);
   add_growth(section);
   return section;

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -66,12 +65,7 @@ struct MeasuredLayer {
 };
 
 MeasuredLayer measure(const PolygonSoup& surface, double size, ShellSide side, double share, double normals) {
-  ShellOptions options;
-  options.thickness = share * size;
-  options.side = side;
-  const auto start = std::chrono::steady_clock::now();
-  const Shell shell = build_shell(surface, options);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto [shell, seconds] = build_timed(surface, side, share * size);
   const ShellLayer& layer = only_layer(shell);
   const ShellThickness reached = reached_thickness(shell, layer);
   constexpr double k_about = 0.99;
@@ -94,7 +88,7 @@ MeasuredLayer measure(const PolygonSoup& surface, double size, ShellSide side, d
   return measured;
 }
 
-void add_side(const std::string& name, const PolygonSoup& surface, ShellSide side, ShellSection& section) {
+void add_side(const std::string& name, const PolygonSoup& surface, ShellSide side, BenchSection& section) {
   const double size = bounding_box(surface).sizes().maxCoeff();
   const double normals = valid_share_of_normals(surface, size, side);
   std::string cells, verdicts;
@@ -117,8 +111,8 @@ void add_side(const std::string& name, const PolygonSoup& surface, ShellSide sid
 
 }  // namespace
 
-ShellSection measure_shell_models(const BenchOptions& options) {
-  ShellSection section;
+BenchSection measure_shell_models(const BenchOptions& options) {
+  BenchSection section;
   section.markdown =
       "## Models\n\nThicknesses are shares of the longest side. Of each layer: mean and least length of "
       "directors over the thickness; * where the mean is more than 1 % below what all normals may have "

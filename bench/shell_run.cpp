@@ -1,10 +1,20 @@
 #include "shell_run.h"
 
-#include <recede/geometry/atomic_file.h>
-
 #include <fmt/format.h>
 
+#include <chrono>
+
 namespace recede::bench {
+
+TimedShell build_timed(const PolygonSoup& surface, ShellSide side, double thickness) {
+  ShellOptions options;
+  options.thickness = thickness;
+  options.side = side;
+  const auto start = std::chrono::steady_clock::now();
+  TimedShell timed{build_shell(surface, options)};
+  timed.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return timed;
+}
 
 const ShellLayer& only_layer(const Shell& shell) {
   return shell.exterior ? *shell.exterior : shell.interior.value();
@@ -24,30 +34,11 @@ std::string verdict_of(const ShellLayer& layer) {
 }
 
 std::string shell_tables(const BenchOptions& options) {
-  struct Section {
-    const char* name;
-    ShellSection (*measure)(const BenchOptions&);
-  };
-  constexpr Section k_sections[] = {{"field", measure_shell_field},
-                                    {"directors", measure_shell_directors},
-                                    {"torture", measure_shell_torture},
-                                    {"models", measure_shell_models}};
-  std::filesystem::create_directories(options.out);
-  std::string markdown = "# Shells\n", lines;
-  for (const Section& section : k_sections) {
-    if (!is_wanted(section.name, options.systems)) continue;
-    const ShellSection found = section.measure(options);
-    markdown += '\n' + found.markdown;
-    for (nlohmann::json row : found.rows) {
-      row["section"] = section.name;
-      lines += row.dump() + '\n';
-    }
-    // After each, so that an interrupted run leaves something.
-    write_file_atomically(options.out / "shells.md", markdown);
-    write_file_atomically(options.out / "shells.jsonl", lines);
-    fmt::print(stderr, "{} is done\n", section.name);
-  }
-  return markdown;
+  return section_tables(options, "Shells", "shells",
+                        {{"field", measure_shell_field},
+                         {"directors", measure_shell_directors},
+                         {"torture", measure_shell_torture},
+                         {"models", measure_shell_models}});
 }
 
 }  // namespace recede::bench

@@ -1,35 +1,34 @@
 // Shells measured: the field that they grow along, their directors, and layers of real and of bad models.
 #pragma once
 
-#include "bench_run.h"
+#include "section_run.h"
 #include <recede/shells/shell.h>
-
-#include <nlohmann/json.hpp>
 
 #include <string>
 #include <vector>
 
 namespace recede::bench {
 
-/// What a section of the run found: a text with a table, and an object for each of its rows.
-struct ShellSection {
-  std::string markdown;
-  std::vector<nlohmann::json> rows;
-};
-
 /// Errors of the field and its speed by opening, and how the time of an evaluation grows with triangles.
-ShellSection measure_shell_field(const BenchOptions& options);
+BenchSection measure_shell_field(const BenchOptions& options);
 
 /// Inverted prisms before any repair along normals, the gradient of the exact distance and that of the
 /// averaged one: shapes of the specification's table 2.9.
-ShellSection measure_shell_directors(const BenchOptions& options);
+BenchSection measure_shell_directors(const BenchOptions& options);
 
 /// Layers over all closed models in the folder that have at most 100 000 triangles, beside the thickness up
 /// to which plain displacement along normals is valid.
-ShellSection measure_shell_models(const BenchOptions& options);
+BenchSection measure_shell_models(const BenchOptions& options);
 
 /// Layers over sixteen spoilt variants of one mesh.
-ShellSection measure_shell_torture(const BenchOptions& options);
+BenchSection measure_shell_torture(const BenchOptions& options);
+
+/// A layer on one side, and how long it took.
+struct TimedShell {
+  Shell shell;
+  double seconds = 0;
+};
+TimedShell build_timed(const PolygonSoup& surface, ShellSide side, double thickness);
 
 /// The layer of a shell that has one.
 const ShellLayer& only_layer(const Shell& shell);

@@ -6,25 +6,19 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
 namespace recede::bench {
 namespace {
 
 constexpr std::size_t k_triangles = 5856;
 constexpr double k_share = 0.03;  // of the longest side
 
-void add_layer(const test::TortureVariant& variant, ShellSide side, ShellSection& section) {
+void add_layer(const test::TortureVariant& variant, ShellSide side, BenchSection& section) {
   nlohmann::json row = {{"model", variant.name},
                         {"side", side == ShellSide::exterior ? "exterior" : "interior"}};
   try {
     const PolygonSoup surface = to_soup(repair_to_polygon_mesh(variant.soup).mesh);
-    ShellOptions options;
-    options.thickness = k_share * bounding_box(surface).sizes().maxCoeff();
-    options.side = side;
-    const auto start = std::chrono::steady_clock::now();
-    const Shell shell = build_shell(surface, options);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const auto [shell, seconds] =
+        build_timed(surface, side, k_share * bounding_box(surface).sizes().maxCoeff());
     const ShellLayer& layer = only_layer(shell);
     const ShellThickness reached = reached_thickness(shell, layer);
     section.markdown += fmt::format(" {} | {:.3f} | {:.2g} |", verdict_of(layer), reached.mean, seconds);
@@ -45,8 +39,8 @@ void add_layer(const test::TortureVariant& variant, ShellSide side, ShellSection
 
 }  // namespace
 
-ShellSection measure_shell_torture(const BenchOptions& options) {
-  ShellSection section;
+BenchSection measure_shell_torture(const BenchOptions& options) {
+  BenchSection section;
   section.markdown = fmt::format(
       "## Spoilt meshes\n\nA ball of {} triangles and fifteen variants, repaired as the command does; "
       "thickness {} % of the longest side. Valid, or but over how many triangles; mean length; seconds\n\n"

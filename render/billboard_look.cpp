@@ -197,11 +197,11 @@ bool BillboardLook::cross_plane(const Frame& frame, const LocalRay& ray, double 
   const Vec3 at = ray.origin + distance * ray.direction;
   if (!(at.x() >= 0 && at.x() <= frame.width && at.y() >= 0 && at.y() <= frame.height)) return false;
   crossing.distance = distance;
-  crossing.x = static_cast<float>(at.x());
-  crossing.y = static_cast<float>(at.y());
+  crossing.u = static_cast<float>(at.x());
+  crossing.v = static_cast<float>(at.y());
   crossing.front = frame.normal.cast<float>();
   BillboardView view;
-  return see(frame, crossing.x, crossing.y, frame.toward_viewer(ray), view) >= k_least_opacity;
+  return see(frame, crossing.u, crossing.v, frame.toward_viewer(ray), view) >= k_least_opacity;
 }
 
 BillboardView BillboardLook::view_of(const Hit& hit, const Vec3f& direction) const {
@@ -248,8 +248,8 @@ bool BillboardLook::cross_cell(const Frame& frame, const LocalRay& ray, int colu
                        within_v * ((1 - within_u) * share[2] + within_u * share[3]);
     if (here < k_least_opacity) continue;
     crossing.distance = from + along;
-    crossing.x = u + 0.5f + static_cast<float>(column);
-    crossing.y = v + 0.5f + static_cast<float>(row);
+    crossing.u = u + 0.5f + static_cast<float>(column);
+    crossing.v = v + 0.5f + static_cast<float>(row);
     const Vec3 slope(b + d * static_cast<double>(v), c + d * static_cast<double>(u), 0);
     crossing.front =
         (frame.normal - slope.x() / frame.texel_u * frame.axis_u + slope.y() / frame.texel_v * frame.axis_v)
@@ -269,18 +269,19 @@ void BillboardLook::turn_to_scene(std::uint32_t primitive, Vec3f& normal) const 
   normal = turn.cast<float>() * normal;
 }
 
-bool BillboardLook::first_crossing(std::uint32_t primitive, const Vec3f& origin, const Vec3f& direction,
-                                   double least, double most, Crossing& crossing) const {
-  if (views_ > 0 && !faces_best(primitive, direction)) return false;
+bool BillboardLook::first_crossing(std::uint32_t primitive, const CrossingQuery& query,
+                                   Crossing& crossing) const {
+  if (query.starts_here && is_passed(query.start, primitive)) return false;
+  if (views_ > 0 && !faces_best(primitive, query.direction)) return false;
   const Frame& frame = frame_of(primitive);
-  const LocalRay ray = local_ray(primitive, origin, direction);
+  const LocalRay ray = local_ray(primitive, query.origin, query.direction);
   if (tables_) {
-    if (!cross_plane(frame, ray, least, most, crossing)) return false;
+    if (!cross_plane(frame, ray, query.least, query.most, crossing)) return false;
     turn_to_scene(primitive, crossing.front);
     return true;
   }
   const double reach = k_height_room * range_;
-  double from = least, to = most;
+  double from = query.least, to = query.most;
   if (!clip(ray.origin.z(), ray.direction.z(), -reach, reach, from, to) ||
       !clip(ray.origin.x(), ray.direction.x(), 0, frame.width, from, to) ||
       !clip(ray.origin.y(), ray.direction.y(), 0, frame.height, from, to))
@@ -336,78 +337,8 @@ Vec3f BillboardLook::normal_at(const Hit& hit) const {
   return (turn * normal).stableNormalized().cast<float>();
 }
 
-namespace {
-
-void bound_billboard(const RTCBoundsFunctionArguments* arguments) {
-  const auto& look = *static_cast<const BillboardLook*>(arguments->geometryUserPtr);
-  const Box3 box = look.bounds(arguments->primID);
-  constexpr double k_pad = 1e-6;  // for the rounding to float
-  const Vec3f low = (box.min().array() - k_pad).cast<float>(),
-              high = (box.max().array() + k_pad).cast<float>();
-  RTCBounds& bounds = *arguments->bounds_o;
-  bounds.lower_x = low.x();
-  bounds.lower_y = low.y();
-  bounds.lower_z = low.z();
-  bounds.upper_x = high.x();
-  bounds.upper_y = high.y();
-  bounds.upper_z = high.z();
-}
-
-bool cross(const BillboardLook& look, const RayContext& context, unsigned object, unsigned primitive,
-           RTCRayN* rays, unsigned n, unsigned k, BillboardLook::Crossing& crossing) {
-  if (context.from.object == object && look.is_passed(context.from.primitive, primitive)) return false;
-  const Vec3f origin(RTCRayN_org_x(rays, n, k), RTCRayN_org_y(rays, n, k), RTCRayN_org_z(rays, n, k)),
-      direction(RTCRayN_dir_x(rays, n, k), RTCRayN_dir_y(rays, n, k), RTCRayN_dir_z(rays, n, k));
-  const auto least = static_cast<double>(RTCRayN_tnear(rays, n, k)),
-             most = static_cast<double>(RTCRayN_tfar(rays, n, k));
-  return look.first_crossing(primitive, origin, direction, least, most, crossing) && crossing.distance < most;
-}
-
-void intersect_billboard(const RTCIntersectFunctionNArguments* arguments) {
-  const auto& look = *static_cast<const BillboardLook*>(arguments->geometryUserPtr);
-  const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
-  const unsigned n = arguments->N;
-  RTCRayN* rays = RTCRayHitN_RayN(arguments->rayhit, n);
-  RTCHitN* hits = RTCRayHitN_HitN(arguments->rayhit, n);
-  for (unsigned k = 0; k < n; ++k) {
-    BillboardLook::Crossing crossing;
-    if (arguments->valid[k] == 0 ||
-        !cross(look, context, arguments->geomID, arguments->primID, rays, n, k, crossing))
-      continue;
-    RTCRayN_tfar(rays, n, k) = static_cast<float>(crossing.distance);
-    RTCHitN_u(hits, n, k) = crossing.x;
-    RTCHitN_v(hits, n, k) = crossing.y;
-    RTCHitN_primID(hits, n, k) = arguments->primID;
-    RTCHitN_geomID(hits, n, k) = arguments->geomID;
-    RTCHitN_instID(hits, n, k, 0) = arguments->context->instID[0];
-    RTCHitN_Ng_x(hits, n, k) = crossing.front.x();
-    RTCHitN_Ng_y(hits, n, k) = crossing.front.y();
-    RTCHitN_Ng_z(hits, n, k) = crossing.front.z();
-  }
-}
-
-void occlude_billboard(const RTCOccludedFunctionNArguments* arguments) {
-  const auto& look = *static_cast<const BillboardLook*>(arguments->geometryUserPtr);
-  const auto& context = *reinterpret_cast<const RayContext*>(arguments->context);
-  for (unsigned k = 0; k < arguments->N; ++k) {
-    BillboardLook::Crossing crossing;
-    if (arguments->valid[k] != 0 &&
-        cross(look, context, arguments->geomID, arguments->primID, arguments->ray, arguments->N, k, crossing))
-      RTCRayN_tfar(arguments->ray, arguments->N, k) = -std::numeric_limits<float>::infinity();
-  }
-}
-
-}  // namespace
-
 RTCGeometry billboard_geometry(RTCDevice device, const BillboardLook& look) {
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(look.n_primitives()));
-  rtcSetGeometryUserData(geometry, const_cast<BillboardLook*>(&look));
-  rtcSetGeometryBoundsFunction(geometry, bound_billboard, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect_billboard);
-  rtcSetGeometryOccludedFunction(geometry, occlude_billboard);
-  rtcCommitGeometry(geometry);
-  return geometry;
+  return UserGeometry<BillboardLook>::make(device, look);
 }
 
 }  // namespace recede::detail

@@ -1,5 +1,6 @@
 // What texels of a level can't know, as how holes line up for rays that cross them, is measured: rays through
 // the finest level against rays through the matter.
+#include <recede/geometry/detail/hashed_number.h>
 #include <recede/shells/detail/matter_calibration.h>
 #include <recede/shells/detail/matter_path.h>
 #include <recede/shells/detail/volume_sampler.h>
@@ -15,9 +16,11 @@ namespace recede::detail {
 
 namespace {
 
-// Squared: rays of a direction. Flat ones pass more of the layer, and differ less.
+// Squared: rays of a direction. Flat ones pass more of the layer, and differ less; straight ones are the same
+// in all columns.
 int rays_along(const Vec3& direction) {
-  return std::max(6, static_cast<int>(22 * std::sqrt(std::abs(direction.z()))));
+  const double height = std::abs(direction.z());
+  return height == 1 ? 60 : std::max(6, static_cast<int>(22 * std::sqrt(height)));
 }
 
 constexpr double k_degree = std::numbers::pi / 180;
@@ -32,24 +35,34 @@ Vec3 direction_of(std::size_t number) {
   return {std::cos(elevation) * std::cos(turn), std::cos(elevation) * std::sin(turn), std::sin(elevation)};
 }
 
+/// `measure(d)` of all directions in parallel; straight ones are the same in all columns.
+template <typename Value, typename Measure>
+std::vector<Value> for_directions(Measure&& measure) {
+  std::vector<Value> values(k_directions);
+  const auto first_column = [](std::size_t d) { return d - d % MatterDirections::k_columns; };
+  const auto is_repeated = [&](std::size_t d) {
+    return d != first_column(d) &&
+           std::abs(MatterDirections::k_elevations[d / MatterDirections::k_columns]) == 90;
+  };
+  tbb::parallel_for(std::size_t{0}, k_directions, [&](std::size_t d) {
+    if (!is_repeated(d)) values[d] = measure(d);
+  });
+  for (std::size_t d = 0; d < k_directions; ++d) {
+    if (is_repeated(d)) values[d] = values[first_column(d)];
+  }
+  return values;
+}
+
 // Places evenly over a period, each somewhere in its cell, and as much of a texel to the side as pictures
 // take.
 struct Start {
   double s, t, shift_s, shift_t;
 };
 
-// Uniform in [0, 1), the same everywhere.
-double random_number(int ray, std::uint64_t which) {
-  std::uint64_t h = (static_cast<std::uint64_t>(ray) * 4 + which + 1) * 0x9e3779b97f4a7c15ull;
-  h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ull;
-  h = (h ^ (h >> 27)) * 0x94d049bb133111ebull;
-  h ^= h >> 31;
-  return static_cast<double>(h >> 11) * 0x1p-53;
-}
-
 Start start_of(int ray, int along) {
-  return {(ray % along + random_number(ray, 0)) / along, (ray / along + random_number(ray, 1)) / along,
-          random_number(ray, 2) - 0.5, random_number(ray, 3) - 0.5};
+  const auto key = static_cast<std::uint64_t>(ray) << 32;
+  return {(ray % along + hashed_number(key, 0)) / along, (ray / along + hashed_number(key, 1)) / along,
+          hashed_number(key, 2) - 0.5, hashed_number(key, 3) - 0.5};
 }
 
 // A ray through the whole layer.
@@ -74,8 +87,7 @@ Vec3 surface_normal(const VolumeTexture& texture, const Vec3& place, const Vec3&
 }  // namespace
 
 std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
-  std::vector<SeenLayer> seen(k_directions);
-  tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t d) {
+  return for_directions<SeenLayer>([&](std::size_t d) -> SeenLayer {
     const Vec3 direction = direction_of(d);
     const int along = rays_along(direction);
     double hits = 0;
@@ -92,9 +104,8 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
         break;
       }
     }
-    seen[d] = {hits / (along * along), hits > 0 ? Vec3(normal / hits) : Vec3(-direction)};
+    return {hits / (along * along), hits > 0 ? Vec3(normal / hits) : Vec3(-direction)};
   });
-  return seen;
 }
 
 namespace {
@@ -116,7 +127,11 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
     const Start start = start_of(r, along);
     LayerRay ray(start, direction, finest.extent);
     ray.from += Vec3(start.shift_s / size.x(), start.shift_t / size.y(), 0);
-    const int steps = 1 + static_cast<int>(ray.across.cwiseProduct(size).norm() / MatterPath::k_step);
+    // As pictures take them: one more would give a texel more than its part.
+    constexpr double k_rounding = 1e-9;
+    const int steps = std::max(
+        1,
+        static_cast<int>(std::ceil(ray.across.cwiseProduct(size).norm() / MatterPath::k_step - k_rounding)));
     MatterPath path(matter, finest);
     std::vector<Step>& passed = rays.emplace_back();
     double before = 0;
@@ -150,8 +165,7 @@ SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, double density) 
 }  // namespace
 
 void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact, TransparentVolume& matter) {
-  matter.corrections.resize(k_directions);
-  tbb::parallel_for(std::size_t{0}, exact.size(), [&](std::size_t d) {
+  matter.corrections = for_directions<MatterCorrection>([&](std::size_t d) -> MatterCorrection {
     const std::vector<std::vector<Step>> rays = pass_matter(matter, finest, direction_of(d));
     // Opacity rises with density; a factor of 8 either way makes nearly all of what can be made.
     double low = 1.0 / 8, high = 8;
@@ -161,7 +175,7 @@ void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact,
     }
     const double density = std::sqrt(low * high);
     const SeenLayer seen = seen_with(rays, density);
-    matter.corrections[d] = {density, seen.opacity > 0 ? Vec3(exact[d].normal - seen.normal) : Vec3::Zero()};
+    return {density, seen.opacity > 0 ? Vec3(exact[d].normal - seen.normal) : Vec3::Zero()};
   });
 }
 

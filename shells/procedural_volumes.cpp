@@ -1,3 +1,4 @@
+#include <recede/geometry/detail/hashed_number.h>
 #include <recede/geometry/error.h>
 #include <recede/shells/procedural_volumes.h>
 
@@ -39,15 +40,8 @@ void check_share(double value, double most, const char* what) {
     throw OptionError(fmt::format("{} must be above 0 and at most {}", what, most));
 }
 
-// Uniform in [0, 1), the same everywhere.
 double random_at(std::uint32_t seed, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  std::uint32_t h = seed * 0x9e3779b9u;
-  for (const std::uint32_t part : {a, b, c}) {
-    h = (h ^ part) * 0x85ebca6bu;
-    h = (h ^ (h >> 13)) * 0xc2b2ae35u;
-    h ^= h >> 16;
-  }
-  return static_cast<double>(h) * 0x1p-32;
+  return detail::hashed_number((std::uint64_t{seed} << 32) ^ (std::uint64_t{a} << 16) ^ b, c);
 }
 
 /// Gradient noise that repeats every `periods` cells along x and y; about -1 to 1.

@@ -1,7 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/raster.h>
 #include <recede/shells/detail/matter_calibration.h>
-#include <recede/shells/textured_shell.h>
 #include <recede/shells/volume_mipmap.h>
 
 #include <Eigen/Eigenvalues>
@@ -13,15 +12,6 @@
 namespace recede {
 
 using Matrix3 = Eigen::Matrix3d;
-
-const ShellLayer& TexturedShell::layer() const {
-  if (!shell) throw InputError("a texture needs a shell");
-  if (!texture || texture->surfaces.empty()) throw InputError("a textured shell needs a texture");
-  if (shell->base.corner_uvs.empty()) throw InputError("a textured shell needs texture coordinates");
-  const std::optional<ShellLayer>& layer = side == ShellSide::interior ? shell->interior : shell->exterior;
-  if (side == ShellSide::envelope || !layer) throw InputError("the shell has no layer on the texture's side");
-  return *layer;
-}
 
 double opacity_in_row(double first, double second, double correlation) {
   return (1 - correlation) * (1 - (1 - first) * (1 - second)) + correlation * std::max(first, second);

@@ -3,7 +3,7 @@
 
 #include <recede/render/billboards.h>
 #include <recede/render/detail/billboard_view.h>
-#include <recede/render/detail/ray_context.h>
+#include <recede/render/detail/user_geometry.h>
 #include <recede/render/image.h>
 
 #include <array>
@@ -28,15 +28,8 @@ class BillboardLook {
   /// In the scaled scene.
   Box3 bounds(std::uint32_t primitive) const;
 
-  /// Where a ray meets a billboard.
-  struct Crossing {
-    double distance = 0;             ///< along the ray
-    float x = 0, y = 0;              ///< texels from the billboard's upper left corner
-    Eigen::Vector3f front{0, 0, 1};  ///< normal of the surface of heights, in the scene, any length
-  };
-  /// The first crossing between two distances.
-  bool first_crossing(std::uint32_t primitive, const Eigen::Vector3f& origin,
-                      const Eigen::Vector3f& direction, double least, double most, Crossing& crossing) const;
+  /// u and v are texels from the billboard's upper left corner, `front` the normal of the surface of heights.
+  bool first_crossing(std::uint32_t primitive, const CrossingQuery& query, Crossing& crossing) const;
 
   /// Whether a ray that starts on one billboard can't meet another: itself, or with reflectance any of its
   /// placement, whose shadows are in the values already.

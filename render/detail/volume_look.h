@@ -1,7 +1,8 @@
 // Volume textures in shells as rays meet them.
 #pragma once
 
-#include <recede/render/detail/ray_context.h>
+#include <recede/render/detail/user_geometry.h>
+#include <recede/render/detail/volume_prism.h>
 #include <recede/render/shell_volume.h>
 
 #include <array>
@@ -23,26 +24,22 @@ class VolumeLook {
   /// In the scaled scene.
   Box3 bounds(std::uint32_t primitive) const;
 
-  /// Where a ray meets what is in a prism.
-  struct Crossing {
-    double distance = 0;             ///< along the ray
-    float u = 0, v = 0;              ///< weights of the triangle's second and third corner
-    Eigen::Vector3f front{0, 0, 1};  ///< normal, outwards; of transparent matter the mean, not unit
-  };
-  /// The first crossing between two distances.
-  bool first_crossing(std::uint32_t primitive, const Eigen::Vector3f& origin,
-                      const Eigen::Vector3f& direction, double least, double most, Crossing& crossing) const;
+  /// u and v are weights of the triangle's second and third corner; `front` leads outwards, and of
+  /// transparent matter is the mean, not unit.
+  bool first_crossing(std::uint32_t primitive, const CrossingQuery& query, Crossing& crossing) const;
 
   Rgb color_at(const Hit& hit, const Eigen::Vector3f& direction) const;
   /// Side of a texel in the scaled scene, the shortest.
   double texel(std::uint32_t primitive) const { return static_cast<double>(texels_[primitive]); }
 
  private:
-  struct Ray;
-  struct Prism;
-  struct Place;
-  struct Passage;
-  struct Choice;
+  // What a ray sees of the texture: a level of surfaces or of transparent matter.
+  struct Choice {
+    bool is_matter;
+    int level;
+  };
+  // Five sides are met ten times at most.
+  using PrismPassages = std::array<PrismPassage, 5>;
   // Of a corner: how places move for steps in s and in t, at the surface and at the top.
   struct Frame {
     Eigen::Vector3f bottom_s{0, 0, 0}, bottom_t{0, 0, 0}, top_s{0, 0, 0}, top_t{0, 0, 0};
@@ -54,17 +51,19 @@ class VolumeLook {
 
   void set_frames();
   void set_texels();
-  Prism prism(std::uint32_t primitive) const;
-  int find_passages(const Prism& prism, const Ray& ray, std::array<Passage, 6>& passages) const;
-  Choice choose(std::uint32_t primitive, const Ray& ray, double distance) const;
-  bool meet_surface(const Prism& prism, const Ray& ray, const Passage& passage, int level, double least,
-                    double most, Crossing& crossing) const;
-  bool meet_matter(const Prism& prism, const Ray& ray, const Passage& passage, const Choice& choice,
-                   double least, double most, Crossing& crossing) const;
-  Eigen::Matrix3d smooth_frame(const Prism& prism, const Place& place) const;
-  Eigen::Vector3f outward(const Prism& prism, const Place& place, const Vec3& gradient) const;
-  Eigen::Vector3f end_normal(const Prism& prism, const Place& place, double height) const;
-  void set_crossing(const Place& place, double distance, Crossing& crossing) const;
+  VolumePrism prism(std::uint32_t primitive) const;
+  int find_passages(const VolumePrism& prism, const VolumeRay& ray, PrismPassages& passages) const;
+  Choice choose(std::uint32_t primitive, const VolumeRay& ray, double distance) const;
+  bool meet_surface(const VolumePrism& prism, const VolumeRay& ray, const PrismPassage& passage, int level,
+                    double least, double most, Crossing& crossing) const;
+  bool meet_matter(const VolumePrism& prism, const VolumeRay& ray, const PrismPassage& passage,
+                   const Choice& choice, double least, double most, Crossing& crossing) const;
+  Eigen::Matrix3d smooth_frame(const VolumePrism& prism, const PrismPlace& place) const;
+  Eigen::Vector3f outward(const VolumePrism& prism, const PrismPlace& place, const Vec3& gradient) const;
+  Eigen::Vector3f end_normal(const VolumePrism& prism, const PrismPlace& place, double height) const;
+  Eigen::Vector3f entry_normal(const VolumePrism& prism, const VolumeRay& ray, PrismPassage::Side side,
+                               const VolumeTexture& texture, const PrismPlace& place) const;
+  void set_crossing(const PrismPlace& place, double distance, Crossing& crossing) const;
 
   std::shared_ptr<const VolumeMipmap> texture_;
   bool is_inward_ = false;
