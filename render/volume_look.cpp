@@ -1,5 +1,4 @@
 #include <recede/geometry/detail/hashed_number.h>
-#include <recede/geometry/raster.h>
 #include <recede/render/detail/tracing.h>
 #include <recede/render/detail/volume_look.h>
 #include <recede/shells/detail/shell_pieces.h>
@@ -196,22 +195,6 @@ VolumeLook::Choice VolumeLook::choose(std::uint32_t primitive, const VolumeRay& 
                          static_cast<int>(texture_->transparent.size()) - 1)};
 }
 
-namespace {
-
-Rgb linear_color(const Vec3& bytes) {
-  return Rgb(bytes
-                 .unaryExpr([](double byte) {
-                   return static_cast<double>(decode_srgb(static_cast<float>(byte) / 255.0f));
-                 })
-                 .cast<float>());
-}
-
-Vec3 number_of(const std::array<std::uint8_t, 3>& bytes) {
-  return {bytes[0] * 1.0, bytes[1] * 1.0, bytes[2] * 1.0};
-}
-
-}  // namespace
-
 Rgb VolumeLook::color_at(const Hit& hit, const Vec3f& direction) const {
   const VolumeTexture& finest = texture_->surfaces.front();
   if (finest.colors.empty()) return color_;
@@ -222,13 +205,14 @@ Rgb VolumeLook::color_at(const Hit& hit, const Vec3f& direction) const {
   const Vec3 bottom = prism.point(place), director = prism.jacobian(place).col(2);
   place.height = std::clamp((ray.at(distance) - bottom).dot(director) / director.squaredNorm(), 0.0, 1.0);
   const Choice choice = choose(hit.part.primitive, ray, distance);
-  if (choice.is_matter) {
-    const TransparentVolume& matter = texture_->transparent[static_cast<std::size_t>(choice.level)];
-    return linear_color(number_of(matter.colors[matter.texel_at(prism.texture(place), finest.is_periodic)]));
-  }
-  const VolumeTexture& surface = texture_->surfaces[static_cast<std::size_t>(choice.level)];
-  const VolumeCell cell = volume_cell(surface.size, surface.is_periodic, prism.texture(place));
-  return linear_color(cell.blend([&](std::size_t texel) { return number_of(surface.colors[texel]); }));
+  const Vec3 at = prism.texture(place);
+  if (!choice.is_matter)
+    return sampled_color(texture_->surfaces[static_cast<std::size_t>(choice.level)], at).cast<float>();
+  const TransparentVolume& matter = texture_->transparent[static_cast<std::size_t>(choice.level)];
+  const Vec3 step = prism.texture_step(prism.follow(ray, distance, place));
+  const Vec3 factors = matter.correction_along(step.cwiseProduct(finest.extent).stableNormalized()).color;
+  const Vec3 color = linear_color(number_of(matter.colors[matter.texel_at(at, finest.is_periodic)]));
+  return factors.cwiseProduct(color).cast<float>();
 }
 
 RTCGeometry volume_geometry(RTCDevice device, const VolumeLook& look) {

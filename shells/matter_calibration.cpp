@@ -89,9 +89,12 @@ Vec3 surface_normal(const VolumeTexture& texture, const Vec3& place, const Vec3&
 std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
   return for_directions<SeenLayer>([&](std::size_t d) -> SeenLayer {
     const Vec3 direction = direction_of(d);
-    const int along = rays_along(direction);
+    // Colours and normals differ much at the finest level; what its rays cost is little beside those of
+    // matter.
+    constexpr int k_finer = 3;
+    const int along = k_finer * rays_along(direction);
     double hits = 0;
-    Vec3 normal = Vec3::Zero();
+    Vec3 normal = Vec3::Zero(), color = Vec3::Zero();
     for (int r = 0; r < along * along; ++r) {
       const LayerRay ray(start_of(r, along), direction, texture.extent);
       const int steps =
@@ -101,10 +104,12 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
         if (sampled_opacity(texture, place) < 0.5) continue;
         ++hits;
         normal += surface_normal(texture, place, direction);
+        color += texture.colors.empty() ? Vec3(Vec3::Ones()) : sampled_color(texture, place);
         break;
       }
     }
-    return {hits / (along * along), hits > 0 ? Vec3(normal / hits) : Vec3(-direction)};
+    if (!(hits > 0)) return {0, -direction};
+    return {hits / (along * along), normal / hits, color / hits};
   });
 }
 
@@ -113,6 +118,7 @@ namespace {
 struct Step {
   double depth;  // -log of the share that goes on, so far
   Vec3 normal;
+  std::size_t texel;
 };
 
 // Of rays of one direction, one after the other.
@@ -141,41 +147,49 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
       before = stopped;
       std::optional<Vec3>& normal = normals[path.texel()];
       if (!normal) normal = mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction);
-      passed.push_back({-std::log(1 - stopped), *normal});
+      passed.push_back({-std::log(1 - stopped), *normal, path.texel()});
     }
   }
   return rays;
 }
 
-SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, double density) {
+// `colors` of texels, linear light; or none.
+SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, const std::vector<Vec3>& colors,
+                    double density) {
   double opacity = 0;
-  Vec3 normal = Vec3::Zero();
+  Vec3 normal = Vec3::Zero(), color = Vec3::Zero();
   for (const std::vector<Step>& ray : rays) {
     double before = 0;
     for (const Step& step : ray) {
-      const double stopped = 1 - std::exp(-density * step.depth);
-      opacity += stopped - before;
-      normal += (stopped - before) * step.normal;
+      const double stopped = 1 - std::exp(-density * step.depth), part = stopped - before;
+      opacity += part;
+      normal += part * step.normal;
+      color += part * (colors.empty() ? Vec3(Vec3::Ones()) : colors[step.texel]);
       before = stopped;
     }
   }
-  return {opacity / static_cast<double>(rays.size()), opacity > 0 ? Vec3(normal / opacity) : normal};
+  if (!(opacity > 0)) return {0, normal};
+  return {opacity / static_cast<double>(rays.size()), normal / opacity, color / opacity};
 }
 
 }  // namespace
 
 void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact, TransparentVolume& matter) {
+  std::vector<Vec3> colors;
+  for (const auto& bytes : matter.colors) colors.push_back(linear_color(number_of(bytes)));
   matter.corrections = for_directions<MatterCorrection>([&](std::size_t d) -> MatterCorrection {
     const std::vector<std::vector<Step>> rays = pass_matter(matter, finest, direction_of(d));
     // Opacity rises with density; a factor of 8 either way makes nearly all of what can be made.
     double low = 1.0 / 8, high = 8;
     for (int round = 0; round < 12; ++round) {
       const double middle = std::sqrt(low * high);
-      (seen_with(rays, middle).opacity < exact[d].opacity ? low : high) = middle;
+      (seen_with(rays, colors, middle).opacity < exact[d].opacity ? low : high) = middle;
     }
     const double density = std::sqrt(low * high);
-    const SeenLayer seen = seen_with(rays, density);
-    return {density, seen.opacity > 0 ? Vec3(exact[d].normal - seen.normal) : Vec3::Zero()};
+    const SeenLayer seen = seen_with(rays, colors, density);
+    if (!(seen.opacity > 0)) return {density};
+    return {density, exact[d].normal - seen.normal,
+            (seen.color.array() > 0).select(exact[d].color.cwiseQuotient(seen.color), Vec3::Ones())};
   });
 }
 
@@ -195,11 +209,12 @@ MatterCorrection TransparentVolume::correction_along(const Vec3& direction) cons
   const double column = (turn < 0 ? turn + 1 : turn) * Directions::k_columns;
   const auto left = static_cast<std::size_t>(column);
   const double u = column - static_cast<double>(left);
-  MatterCorrection sum{0, Vec3::Zero()};
+  MatterCorrection sum{0, Vec3::Zero(), Vec3::Zero()};
   const auto add = [&](double weight, std::size_t i, std::size_t j) {
     const MatterCorrection& correction = corrections[i * Directions::k_columns + j % Directions::k_columns];
     sum.density += weight * std::log(correction.density);
     sum.normal += weight * correction.normal;
+    sum.color += weight * correction.color;
   };
   add((1 - v) * (1 - u), row, left);
   add((1 - v) * u, row, left + 1);

@@ -10,6 +10,7 @@ namespace recede {
 struct MatterCorrection {
   double density = 1;          ///< factor of -log(1 - opacity)
   Vec3 normal = Vec3::Zero();  ///< what is added to mean normals, in lengths of `VolumeTexture::extent`
+  Vec3 color = Vec3::Ones();   ///< factors of colours, linear light: some are hidden more than others
 };
 
 /// Rays' directions in lengths of `VolumeTexture::extent`: rows by the angle to the layer, of columns from s

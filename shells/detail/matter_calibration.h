@@ -7,8 +7,9 @@ namespace recede::detail {
 
 /// What rays of one direction meet of a whole layer.
 struct SeenLayer {
-  double opacity;  ///< share of them that is stopped
-  Vec3 normal;     ///< mean of the unit normals there
+  double opacity;             ///< share of them that is stopped
+  Vec3 normal;                ///< mean of the unit normals there
+  Vec3 color = Vec3::Ones();  ///< mean, linear light; white without colours
 };
 
 /// By `MatterDirections`.

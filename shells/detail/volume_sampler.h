@@ -1,6 +1,7 @@
 // Trilinear samples of volume textures, for inner loops.
 #pragma once
 
+#include <recede/geometry/raster.h>
 #include <recede/shells/volume_texture.h>
 
 #include <algorithm>
@@ -70,6 +71,21 @@ inline double sampled_opacity(const VolumeTexture& texture, const Vec3& place) {
   return volume_cell(texture.size, texture.is_periodic, place).blend([opacity](std::size_t texel) {
     return static_cast<double>(opacity[texel]);
   }) * (1 / 255.0);
+}
+
+inline Vec3 linear_color(const Vec3& bytes) {
+  return bytes.unaryExpr(
+      [](double byte) { return static_cast<double>(decode_srgb(static_cast<float>(byte) / 255.0f)); });
+}
+
+inline Vec3 number_of(const std::array<std::uint8_t, 3>& bytes) {
+  return {static_cast<double>(bytes[0]), static_cast<double>(bytes[1]), static_cast<double>(bytes[2])};
+}
+
+/// Linear light; there must be colours. Between texels what is encoded is blended.
+inline Vec3 sampled_color(const VolumeTexture& texture, const Vec3& place) {
+  const VolumeCell cell = volume_cell(texture.size, texture.is_periodic, place);
+  return linear_color(cell.blend([&](std::size_t texel) { return number_of(texture.colors[texel]); }));
 }
 
 }  // namespace recede::detail
