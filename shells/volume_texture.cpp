@@ -51,29 +51,27 @@ Vec3 opacity_gradient(const VolumeTexture& texture, const Vec3& place) {
   return gradient;
 }
 
-namespace {
-
-void check(const VolumeOptions& options) {
+void check_texels(const std::array<int, 3>& size) {
   double texels = 1;
-  for (const int size : options.size) {
-    if (size < 1) throw OptionError(fmt::format("a volume texture can't have {} texels along an axis", size));
-    texels *= size;
+  for (const int along : size) {
+    if (along < 1)
+      throw OptionError(fmt::format("a volume texture can't have {} texels along an axis", along));
+    texels *= along;
   }
   if (texels > static_cast<double>(k_most_texels)) {
     throw OptionError(fmt::format("{} x {} x {} texels are more than the {} that a volume texture may have",
-                                  options.size[0], options.size[1], options.size[2], k_most_texels));
+                                  size[0], size[1], size[2], k_most_texels));
   }
+}
+
+namespace {
+
+void check(const VolumeOptions& options) {
+  check_texels(options.size);
   if (!(options.extent.minCoeff() > 0) || !options.extent.allFinite())
     throw OptionError("lengths of a volume texture must be finite and above 0");
   if (!(options.ramp_texels > 0) || !std::isfinite(options.ramp_texels))
     throw OptionError("the ramp of a volume texture must be finite and above 0");
-}
-
-std::array<std::uint8_t, 3> color_bytes(const Vec3& color) {
-  std::array<std::uint8_t, 3> bytes{};
-  for (std::size_t k = 0; k < 3; ++k)
-    bytes[k] = static_cast<std::uint8_t>(255 * std::clamp(color[static_cast<int>(k)], 0.0, 1.0) + 0.5);
-  return bytes;
 }
 
 }  // namespace
@@ -102,9 +100,9 @@ VolumeTexture make_volume(const InsideDistance& inside, const VolumeOptions& opt
           }
           continue;
         }
-        const double opacity = std::clamp(0.5 + distance / (2 * texture.ramp), 0.0, 1.0);
-        texture.opacity[texel] = static_cast<std::uint8_t>(255 * opacity + 0.5);
-        if (options.color) texture.colors[texel] = color_bytes(options.color(point));
+        const double opacity = detail::ramped_opacity(distance, texture.ramp);
+        texture.opacity[texel] = detail::opacity_byte(opacity);
+        if (options.color) texture.colors[texel] = detail::color_bytes(options.color(point));
       }
     });
     if (first_bad < texture.n_texels()) {

@@ -81,4 +81,7 @@ VolumeTexture make_volume(const InsideDistance& inside, const VolumeOptions& opt
 /// 2 GiB of opacity.
 inline constexpr std::size_t k_most_texels = std::size_t{1} << 31;
 
+/// Throws `OptionError` for sizes below 1 and more texels than `k_most_texels`.
+void check_texels(const std::array<int, 3>& size);
+
 }  // namespace recede

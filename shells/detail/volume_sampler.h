@@ -88,4 +88,18 @@ inline Vec3 sampled_color(const VolumeTexture& texture, const Vec3& place) {
   return linear_color(cell.blend([&](std::size_t texel) { return number_of(texture.colors[texel]); }));
 }
 
+/// Opacity in and around a surface, from the signed distance, above 0 inside: 0 to 1 over twice the ramp.
+inline double ramped_opacity(double distance, double ramp) {
+  return std::clamp(0.5 + distance / (2 * ramp), 0.0, 1.0);
+}
+inline std::uint8_t opacity_byte(double opacity) { return static_cast<std::uint8_t>(255 * opacity + 0.5); }
+
+/// Of encoded channels, clamped to 0 to 1.
+inline std::array<std::uint8_t, 3> color_bytes(const Vec3& color) {
+  std::array<std::uint8_t, 3> bytes{};
+  for (std::size_t k = 0; k < 3; ++k)
+    bytes[k] = opacity_byte(std::clamp(color[static_cast<int>(k)], 0.0, 1.0));
+  return bytes;
+}
+
 }  // namespace recede::detail
