@@ -1,7 +1,7 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/number_bytes.h>
 #include <recede/geometry/error.h>
 #include <recede/render/appearance.h>
-#include <recede/render/detail/number_bytes.h>
 
 #include <array>
 #include <bit>

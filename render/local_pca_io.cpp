@@ -1,8 +1,8 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/number_bytes.h>
 #include <recede/geometry/error.h>
 #include <recede/render/detail/half_numbers.h>
 #include <recede/render/detail/local_pca_bytes.h>
-#include <recede/render/detail/number_bytes.h>
 #include <recede/render/local_pca.h>
 
 #include <bit>

@@ -1,6 +1,6 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/number_bytes.h>
 #include <recede/geometry/error.h>
-#include <recede/render/detail/number_bytes.h>
 #include <recede/render/reflectance_table.h>
 #include <recede/render/scattering_table.h>
 

@@ -1,0 +1,215 @@
+#include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/number_bytes.h>
+#include <recede/geometry/error.h>
+#include <recede/shells/textured_shell_io.h>
+
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include <bit>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+namespace recede {
+namespace {
+
+// A line of text, then one Zstandard frame with a checksum. In it all numbers are little-endian: counts of 32
+// bits, lengths as doubles, texels as bytes.
+constexpr std::string_view k_head = "recede textured shell 1\n";
+constexpr std::uint64_t k_most_bytes = std::uint64_t{1} << 36;  // of a whole file: texels are 2^31 at most
+constexpr int k_level = 3;
+
+class Writer {
+ public:
+  void count(std::size_t number) { detail::append_bytes(bytes_, static_cast<std::uint32_t>(number)); }
+  void number(double number) { detail::append_bytes(bytes_, std::bit_cast<std::uint64_t>(number)); }
+  template <typename Vector>
+  void vectors(const std::vector<Vector>& vectors) {
+    for (const Vector& vector : vectors)
+      for (const double x : vector) number(x);
+  }
+  void texels(const void* from, std::size_t n) { bytes_.append(static_cast<const char*>(from), n); }
+
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  Reader(std::string bytes, std::string name) : bytes_(std::move(bytes)), name_(std::move(name)) {}
+
+  std::uint32_t count(std::uint32_t most) {
+    need(4);
+    const auto number = detail::number_at<std::uint32_t>(bytes_, at_);
+    at_ += 4;
+    if (number > most) refuse("a count out of range");
+    return number;
+  }
+  double number() {
+    need(8);
+    const double number = std::bit_cast<double>(detail::number_at<std::uint64_t>(bytes_, at_));
+    at_ += 8;
+    if (!std::isfinite(number)) refuse("a number isn't finite");
+    return number;
+  }
+  template <typename Vector>
+  std::vector<Vector> vectors(std::size_t n) {
+    need(8 * n * static_cast<std::size_t>(Vector::SizeAtCompileTime));
+    std::vector<Vector> result(n);
+    for (Vector& vector : result)
+      for (double& x : vector) x = number();
+    return result;
+  }
+  void texels(void* to, std::size_t n) {
+    need(n);
+    std::memcpy(to, bytes_.data() + at_, n);
+    at_ += n;
+  }
+  void end() {
+    if (at_ != bytes_.size()) refuse("more than a textured shell is in the file");
+  }
+  [[noreturn]] void refuse(const std::string& why) const { throw InputError::in_file(name_, why); }
+  const std::string& name() const { return name_; }
+
+ private:
+  void need(std::size_t n) const {
+    if (bytes_.size() - at_ < n) refuse("the file ends too early");
+  }
+
+  std::string bytes_, name_;
+  std::size_t at_ = 0;
+};
+
+void write_shell(Writer& writer, const TexturedShell& textured, const ShellLayer& layer) {
+  const PolygonSoup& base = textured.shell->base;
+  writer.count(base.positions.size());
+  writer.count(base.n_faces());
+  writer.count(textured.side == ShellSide::interior ? 1 : 0);
+  writer.count(base.vertex_colors.empty() ? 0 : 1);
+  writer.vectors(base.positions);
+  writer.vectors(layer.tops);
+  for (const double thickness : textured.shell->thicknesses) writer.number(thickness);
+  for (const Index v : base.corner_vertices) writer.count(v);
+  writer.vectors(base.corner_uvs);
+  writer.vectors(base.vertex_colors);
+}
+
+std::shared_ptr<const Shell> read_shell(Reader& reader, ShellSide& side, Progress* progress) {
+  constexpr std::uint32_t k_most = 0xfffffffe / 3;
+  auto shell = std::make_shared<Shell>();
+  PolygonSoup& base = shell->base;
+  const std::uint32_t n_vertices = reader.count(k_most), n_triangles = reader.count(k_most);
+  side = reader.count(1) == 1 ? ShellSide::interior : ShellSide::exterior;
+  const bool has_colors = reader.count(1) == 1;
+  base.positions = reader.vectors<Vec3>(n_vertices);
+  ShellLayer layer;
+  layer.tops = reader.vectors<Vec3>(n_vertices);
+  layer.traced = layer.tops;
+  for (const auto& thickness : reader.vectors<Eigen::Matrix<double, 1, 1>>(n_vertices)) {
+    if (!(thickness[0] > 0)) reader.refuse("a thickness isn't above 0");
+    shell->thicknesses.push_back(thickness[0]);
+  }
+  for (std::uint32_t t = 0; t < n_triangles; ++t) {
+    std::array<Index, 3> triangle{};
+    for (Index& v : triangle) v = reader.count(n_vertices - 1);
+    base.add_face(triangle);
+  }
+  base.corner_uvs = reader.vectors<Vec2>(3 * std::size_t{n_triangles});
+  if (has_colors) base.vertex_colors = reader.vectors<Vec4>(n_vertices);
+  validate(base, reader.name());
+  ShellCheckOptions options;
+  options.is_inward = side == ShellSide::interior;
+  layer.validity = check_shell(base.positions, layer.tops, base.corner_vertices, options, progress);
+  layer.is_valid_elsewhere = layer.validity.is_valid();
+  (options.is_inward ? shell->interior : shell->exterior) = std::move(layer);
+  return shell;
+}
+
+void write_texture(Writer& writer, const VolumeTexture& texture) {
+  for (const int along : texture.size) writer.count(static_cast<std::size_t>(along));
+  writer.count(texture.is_periodic ? 1 : 0);
+  writer.count(texture.colors.empty() ? 0 : 1);
+  for (const double length : texture.extent) writer.number(length);
+  writer.number(texture.ramp);
+  writer.texels(texture.opacity.data(), texture.opacity.size());
+  writer.texels(texture.colors.data(), 3 * texture.colors.size());
+}
+
+VolumeTexture read_texture(Reader& reader) {
+  VolumeTexture texture;
+  for (int& along : texture.size) along = static_cast<int>(reader.count(1u << 31));
+  check_texels(texture.size);
+  texture.is_periodic = reader.count(1) == 1;
+  const bool has_colors = reader.count(1) == 1;
+  for (double& length : texture.extent) length = reader.number();
+  texture.ramp = reader.number();
+  texture.opacity.resize(texture.n_texels());
+  reader.texels(texture.opacity.data(), texture.opacity.size());
+  if (has_colors) {
+    texture.colors.resize(texture.n_texels());
+    reader.texels(texture.colors.data(), 3 * texture.colors.size());
+  }
+  validate(texture, reader.name());
+  return texture;
+}
+
+std::string unpacked(const std::string& bytes, const std::string& name) {
+  if (!std::string_view(bytes).starts_with(k_head))
+    throw InputError::in_file(name, "this is no textured shell");
+  const char* frame = bytes.data() + k_head.size();
+  const std::size_t n = bytes.size() - k_head.size();
+  const unsigned long long size = ZSTD_getFrameContentSize(frame, n);
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > k_most_bytes)
+    throw InputError::in_file(name, "the file is damaged");
+  std::string result(size, '\0');
+  const std::size_t unpacked = ZSTD_decompress(result.data(), result.size(), frame, n);
+  if (ZSTD_isError(unpacked) || unpacked != size)
+    throw InputError::in_file(name, fmt::format("the file is damaged: {}", ZSTD_getErrorName(unpacked)));
+  return result;
+}
+
+}  // namespace
+
+bool is_textured_shell(const std::filesystem::path& path) { return path.extension() == ".shell"; }
+
+void write_textured_shell(const std::filesystem::path& path, const TexturedShell& textured) {
+  Writer writer;
+  write_shell(writer, textured, textured.layer());
+  for (const Vec2& pair : {textured.coordinates.repeat, textured.coordinates.offset})
+    for (const double x : pair) writer.number(x);
+  write_texture(writer, textured.texture->surfaces.front());
+
+  std::string bytes(k_head);
+  bytes.resize(k_head.size() + ZSTD_compressBound(writer.bytes().size()));
+  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, k_level);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  const std::size_t n =
+      ZSTD_compress2(context.get(), bytes.data() + k_head.size(), bytes.size() - k_head.size(),
+                     writer.bytes().data(), writer.bytes().size());
+  if (ZSTD_isError(n)) throw Error(fmt::format("{}: {}", path.string(), ZSTD_getErrorName(n)));
+  bytes.resize(k_head.size() + n);
+  write_file_atomically(path, bytes);
+}
+
+TexturedShell read_textured_shell(const std::filesystem::path& path, Progress* progress) {
+  const std::string name = path.string();
+  Reader reader(unpacked(read_whole_file(path), name), name);
+  TexturedShell textured;
+  textured.shell = read_shell(reader, textured.side, progress);
+  for (Vec2* pair : {&textured.coordinates.repeat, &textured.coordinates.offset})
+    for (double& x : *pair) x = reader.number();
+  try {
+    const VolumeTexture texture = read_texture(reader);
+    reader.end();
+    textured.texture = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
+  } catch (const OptionError& error) {
+    reader.refuse(error.what());
+  }
+  return textured;
+}
+
+}  // namespace recede

@@ -1,0 +1,24 @@
+// Files of textured shells.
+#pragma once
+
+#include <recede/shells/textured_shell.h>
+
+#include <filesystem>
+
+namespace recede {
+
+/// The base's triangles with texture coordinates and vertex colours, the layer's tops, and the finest texture
+/// with its coordinates, compressed (Zstandard). Materials, scalars and another layer of the shell aren't
+/// kept. The same bytes for the same shell. Throws `InputError` for what `TexturedShell::layer` refuses and
+/// files that can't be written.
+void write_textured_shell(const std::filesystem::path& path, const TexturedShell& textured);
+
+/// Checks the layer (`check_shell`) and makes the smaller versions of the texture (`make_mipmap`) anew.
+/// Throws `InputError` for files that can't be read, are damaged, or hold what has no meaning, and
+/// `Cancelled`.
+TexturedShell read_textured_shell(const std::filesystem::path& path, Progress* progress = nullptr);
+
+/// Ends in `.shell`.
+bool is_textured_shell(const std::filesystem::path& path);
+
+}  // namespace recede
