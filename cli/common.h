@@ -121,6 +121,7 @@ void add_atlas_command(CLI::App& app);
 void add_billboards_command(CLI::App& app);
 void add_bake_command(CLI::App& app);
 void add_simplify_command(CLI::App& app);
+void add_carve_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_progressive_command(CLI::App& app);

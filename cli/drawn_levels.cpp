@@ -4,6 +4,7 @@
 #include <recede/lod/lod_selection.h>
 #include <recede/lod/view_dependent_remesh.h>
 #include <recede/render/image_difference.h>
+#include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
 
@@ -61,6 +62,10 @@ fs::path appearance_file(const fs::path& folder, std::size_t level) {
   return folder / fmt::format("level_{}.appearance", level);
 }
 
+fs::path shell_file(const fs::path& folder, std::size_t level) {
+  return folder / fmt::format("level_{}.shell", level);
+}
+
 fs::path reflectance_file(const fs::path& folder, std::size_t level) {
   return folder / fmt::format("level_{}.reflectance", level);
 }
@@ -68,6 +73,7 @@ fs::path reflectance_file(const fs::path& folder, std::size_t level) {
 Drawn::Drawn(const DrawnOptions& options, Progress* progress) : options_(options) {
   read_input(progress);
   scenes_.resize(hierarchy_.levels.size());
+  shells_.resize(hierarchy_.levels.size());
   appearances_.resize(hierarchy_.levels.size());
   check_options();
   rendering_.samples_per_pixel = options.samples;
@@ -85,8 +91,18 @@ Drawn::Drawn(const DrawnOptions& options, Progress* progress) : options_(options
 void Drawn::read_input(Progress* progress) {
   const std::string& input = options_.input;
   const bool has_map = !options_.heights.file.empty();
-  if (fs::is_directory(input)) {
+  if (is_textured_shell(input) && fs::is_regular_file(input)) {
+    if (has_map) throw OptionError("--displacement-map is for meshes and hierarchies");
+    shells_.emplace_back(read_textured_shell(input, {}, progress));
+    mesh_ = shells_[0]->shell->base;
+    hierarchy_.levels.emplace_back();
+  } else if (fs::is_directory(input)) {
     hierarchy_ = read_hierarchy(input);
+    shells_.resize(hierarchy_.levels.size());
+    for (std::size_t level = 0; level < shells_.size(); ++level) {
+      if (const fs::path file = shell_file(input, level); fs::exists(file))
+        shells_[level] = read_textured_shell(file, {}, progress);
+    }
     if (!has_map) return;
     for (const LodLevel& level : hierarchy_.levels) {
       if (level.maps)
@@ -155,6 +171,8 @@ std::size_t Drawn::choose(const Camera& camera, std::optional<std::size_t> befor
 Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
   // A diced surface is another one for every camera; the others are only looked up.
   if (method_of(level) == Displacement::diced) scenes_[level] = make_diced(camera, level, progress);
+  // Which versions of a texture are seen depends on the camera, too.
+  if (draws_texture(level)) scenes_[level] = make_textured(camera, level);
   const Scene& scene = scene_of(level, progress);
   if (options_.false_color != FalseColor::samples) return render(scene, camera, rendering_, progress);
   ProgressiveRender picture(scene, camera, rendering_);
@@ -170,6 +188,12 @@ std::optional<PictureShares> Drawn::methods_of(const Camera& camera, std::size_t
 bool Drawn::has_heights(std::size_t level) const {
   const std::optional<BakedMaps>& maps = hierarchy_.levels[level].maps;
   return heights_ || (maps && !maps->displacement.samples.empty());
+}
+
+bool Drawn::draws_texture(std::size_t level) const {
+  const bool is_painted =
+      options_.false_color != FalseColor::none && options_.false_color != FalseColor::samples;
+  return shells_[level] && !options_.no_maps && !is_painted;
 }
 
 Displacement Drawn::method_of(std::size_t level) const {
@@ -250,6 +274,16 @@ Scene Drawn::make_reflecting(std::size_t level) const {
   PlacedBillboards placed{std::make_shared<const BillboardTextures>(*hierarchy_.levels[level].billboards)};
   placed.reflectance = std::make_shared<const BillboardReflectance>(read_billboard_reflectance(file));
   return Scene(std::span<const PolygonSoup>{}, std::span(&placed, 1), shading());
+}
+
+/// Under matter the base is seen, within it what is left of the body.
+Scene Drawn::make_textured(const Camera& camera, std::size_t level) const {
+  PlacedVolume placed{*shells_[level]};
+  PolygonSoup solid = placed.textured.shell->base;
+  if (placed.textured.side == ShellSide::interior) solid.positions = placed.textured.layer().tops;
+  if (options_.matter_color) placed.color = to_vector(*options_.matter_color).cast<float>();
+  placed.view = volume_view(camera);
+  return Scene(std::span(&solid, 1), std::span<const PlacedVolume>(&placed, 1), shading());
 }
 
 Scene Drawn::make_diced(const Camera& camera, std::size_t level, Progress* progress) {

@@ -9,6 +9,7 @@
 #include <recede/render/appearance.h>
 #include <recede/render/method_shares.h>
 #include <recede/render/progressive_render.h>
+#include <recede/shells/textured_shell.h>
 
 #include <filesystem>
 #include <memory>
@@ -38,6 +39,7 @@ struct DrawnOptions {
   std::optional<Representation> appearance;
   std::optional<double> transition_distance;
   LightingOptions lighting;
+  std::optional<std::array<double, 3>> matter_color;
   FalseColor false_color = FalseColor::none;
 };
 
@@ -65,10 +67,12 @@ class Drawn {
   void read_input(Progress* progress);
   void check_options() const;
   bool has_heights(std::size_t level) const;
+  bool draws_texture(std::size_t level) const;
   PolygonSoup base_of_map(std::size_t level) const;
   std::shared_ptr<const Appearance> appearance_of(std::size_t level, Progress* progress);
   Scene make_scene(std::size_t level, Progress* progress);
   Scene make_reflecting(std::size_t level) const;
+  Scene make_textured(const Camera& camera, std::size_t level) const;
   Scene make_diced(const Camera& camera, std::size_t level, Progress* progress);
   void paint(PolygonSoup& soup, std::size_t level) const;
   double level_share(std::size_t level) const;
@@ -79,9 +83,10 @@ class Drawn {
   PolygonSoup finest_;
   std::optional<ClosestPointTree> surface_;
   std::vector<std::optional<Scene>> scenes_;
-  std::optional<PolygonSoup> mesh_;                  // with heights, instead of levels
-  std::optional<DisplacementMap> heights_;           // over it, or over all levels
-  std::vector<std::optional<DisplacedBase>> bases_;  // of levels that were diced
+  std::vector<std::optional<TexturedShell>> shells_;  // of levels that are one
+  std::optional<PolygonSoup> mesh_;                   // with heights, instead of levels
+  std::optional<DisplacementMap> heights_;            // over it, or over all levels
+  std::vector<std::optional<DisplacedBase>> bases_;   // of levels that were diced
   std::vector<std::shared_ptr<const Appearance>> appearances_;
   RenderOptions rendering_;
 };
@@ -90,6 +95,8 @@ std::string_view name_of(Displacement method);
 
 /// Where `recede bake --appearance` writes that of a level.
 std::filesystem::path appearance_file(const std::filesystem::path& folder, std::size_t level);
+/// Where `recede shell --texture` writes that of a level.
+std::filesystem::path shell_file(const std::filesystem::path& folder, std::size_t level);
 /// Where `recede billboards --reflectance` does.
 std::filesystem::path reflectance_file(const std::filesystem::path& folder, std::size_t level);
 

@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   recede::cli::add_atlas_command(app);
   recede::cli::add_billboards_command(app);
   recede::cli::add_shell_command(app);
+  recede::cli::add_carve_command(app);
   recede::cli::add_subdivide_command(app);
   recede::cli::add_seams_command(app);
   recede::cli::add_walk_command(app);

@@ -238,6 +238,12 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
                                       {"samples", FalseColor::samples}}))
       ->option_text("level|error|method|samples")
       ->group(drawing);
+  command
+      .add_option("--matter-color", options.matter_color,
+                  "of a textured shell without colours of its own, linear light (0.7 0.7 0.7)")
+      ->option_text("R G B")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
   command.add_flag("--ground", options.ground, "a wide floor under the model")->group(drawing);
   add_lighting_options(command, options.lighting);

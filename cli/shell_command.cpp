@@ -1,8 +1,12 @@
 #include "common.h"
+#include "drawn_levels.h"
+#include "shell_texture.h"
 #include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/render/shell_level.h>
 #include <recede/shells/shell.h>
+#include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
 
@@ -13,8 +17,10 @@ namespace {
 
 struct ShellCommandOptions {
   CommonOptions common;
-  std::string input, output;
+  std::string input, output, folder;
   ShellOptions shell;
+  ShellTextureOptions texture;
+  ShellLevelOptions levels;
   std::optional<double> relative_thickness, relative_alpha;
   bool no_repair = false;
 };
@@ -22,7 +28,7 @@ struct ShellCommandOptions {
 struct Built {
   RepairReport repairs;
   double diagonal = 0, seconds = 0;
-  Shell shell;
+  std::shared_ptr<const Shell> shell;
 };
 
 std::size_t n_contacts(const ShellValidity& validity) {
@@ -82,49 +88,82 @@ Built build(ShellCommandOptions& options, Progress* progress) {
   }
   if (options.relative_thickness) options.shell.thickness = *options.relative_thickness * built.diagonal;
   options.shell.repair = !options.no_repair;
+  if (!options.texture.name.empty()) surface = with_coordinates(std::move(surface), progress);
   const auto start = std::chrono::steady_clock::now();
-  built.shell = build_shell(surface, options.shell, progress);
+  built.shell = std::make_shared<const Shell>(build_shell(surface, options.shell, progress));
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return built;
 }
 
 void print_document(const ShellCommandOptions& options, const Built& built) {
-  const ShellValidity& of_base = any_layer(built.shell).validity;
+  const ShellValidity& of_base = any_layer(*built.shell).validity;
   print_json({{"command", "shell"},
               {"input", options.input},
               {"output", options.output.empty() ? Json(nullptr) : Json(options.output)},
+              {"folder", options.folder.empty() ? Json(nullptr) : Json(options.folder)},
               {"thickness", options.shell.thickness},
               {"diagonal", built.diagonal},
-              {"triangles", built.shell.base.n_faces()},
-              {"is_valid", built.shell.is_valid()},
+              {"triangles", built.shell->base.n_faces()},
+              {"texture", options.texture.name.empty() ? Json(nullptr) : Json(options.texture.name)},
+              {"is_valid", built.shell->is_valid()},
               {"base_contacts", of_base.bottom_contacts.size() + of_base.overlapping_neighbours.size()},
-              {"layers_meet", built.shell.layers_meet.size()},
-              {"exterior", layer_to_json(built.shell, built.shell.exterior)},
-              {"interior", layer_to_json(built.shell, built.shell.interior)},
+              {"layers_meet", built.shell->layers_meet.size()},
+              {"exterior", layer_to_json(*built.shell, built.shell->exterior)},
+              {"interior", layer_to_json(*built.shell, built.shell->interior)},
               {"seconds", built.seconds},
               {"repairs", repairs_to_json(built.repairs)}});
 }
 
+void check_output(const ShellCommandOptions& options) {
+  const bool is_textured = !options.texture.name.empty();
+  if (is_textured && options.output.empty() && options.folder.empty())
+    throw OptionError("--texture needs an output: -o FILE.shell or --folder");
+  if (!is_textured && !options.folder.empty()) throw OptionError("--folder needs --texture");
+  if (!options.output.empty() && is_textured != is_textured_shell(options.output)) {
+    throw OptionError(is_textured ? "with --texture the output (-o) ends in .shell"
+                                  : "a .shell file holds a shell with a --texture");
+  }
+  if (is_textured && options.shell.side == ShellSide::envelope)
+    throw OptionError("--texture fills one layer: --side exterior or interior");
+  if (!options.output.empty() && !is_textured) check_mesh_path(options.output);
+}
+
+/// Level 0 of the hierarchy in a folder is the shell.
+void write_levels(const ShellCommandOptions& options, const TexturedShell& textured, Progress* progress) {
+  const std::string name = std::filesystem::path(options.input).stem().string();
+  const HierarchyFiles files =
+      write_hierarchy(options.folder, shell_hierarchy(textured, name, options.levels, progress));
+  write_textured_shell(shell_file(files.folder, 0), textured);
+}
+
 void run(ShellCommandOptions options) {
-  if (!options.output.empty()) check_mesh_path(options.output);
+  check_output(options);
   if (options.shell.thickness == 0 && !options.relative_thickness)
     throw OptionError("a shell needs --thickness or --relative-thickness");
   TerminalProgress progress(options.common.quiet);
   const Built built = build(options, &progress);
-  if (!options.output.empty()) write_soup(options.output, shell_boundary(built.shell));
+  if (!options.texture.name.empty()) {
+    const TexturedShell textured =
+        textured_shell(built.shell, options.shell.side, options.texture, &progress);
+    if (!options.folder.empty()) write_levels(options, textured, &progress);
+    if (!options.output.empty()) write_textured_shell(options.output, textured);
+  } else if (!options.output.empty()) {
+    write_soup(options.output, shell_boundary(*built.shell));
+  }
   progress.clear();
   print_repairs(built.repairs, options.common);
-  if (!any_layer(built.shell).validity.has_valid_base())
+  if (!any_layer(*built.shell).validity.has_valid_base())
     print_remark(options.input + ": the surface meets itself, so that no shell is valid there",
                  options.common);
   if (options.common.json) return print_document(options, built);
   fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));
-  print_layer("exterior", built.shell, built.shell.exterior);
-  print_layer("interior", built.shell, built.shell.interior);
-  if (!built.shell.layers_meet.empty())
-    fmt::print("the layers meet in {} pairs of triangles\n", built.shell.layers_meet.size());
+  print_layer("exterior", *built.shell, built.shell->exterior);
+  print_layer("interior", *built.shell, built.shell->interior);
+  if (!built.shell->layers_meet.empty())
+    fmt::print("the layers meet in {} pairs of triangles\n", built.shell->layers_meet.size());
   fmt::print("seconds      {:.3g}\n", built.seconds);
-  if (!options.output.empty()) fmt::print("written      {}\n", options.output);
+  for (const std::string& written : {options.output, options.folder})
+    if (!written.empty()) fmt::print("written      {}\n", written);
 }
 
 }  // namespace
@@ -136,7 +175,9 @@ void add_shell_command(CLI::App& app) {
   command->footer(
       "Example:\n  recede shell bunny.ply -o shell.ply --relative-thickness 0.05 --side envelope");
   command->add_option("input", options->input, k_input_help)->required();
-  command->add_option("-o,--output", options->output, "writes all sides of the layer as one closed mesh");
+  command->add_option("-o,--output", options->output,
+                      "writes all sides of the layer as one closed mesh; or with --texture a .shell file, to "
+                      "draw and to carve");
   ShellOptions& shell = options->shell;
   CLI::Option* thickness =
       command->add_option("--thickness", shell.thickness, "how thick it is to be, object units");
@@ -184,6 +225,15 @@ void add_shell_command(CLI::App& app) {
       ->default_str("0.02")
       ->check(CLI::Range(1e-4, 1.0));
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
+  add_shell_texture_options(*command, options->texture);
+  command
+      ->add_option(
+          "--folder", options->folder,
+          "writes a hierarchy for recede render: the textured shell, and from afar the surface alone")
+      ->group("Texture");
+  command
+      ->add_option("--ratios", options->levels.ratios, "shares of its faces on further levels (0.25 0.0625)")
+      ->group("Texture");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });
 }

@@ -195,7 +195,8 @@ void write_textured_shell(const std::filesystem::path& path, const TexturedShell
   write_file_atomically(path, bytes);
 }
 
-TexturedShell read_textured_shell(const std::filesystem::path& path, Progress* progress) {
+TexturedShell read_textured_shell(const std::filesystem::path& path, const ReadShellOptions& options,
+                                  Progress* progress) {
   const std::string name = path.string();
   Reader reader(unpacked(read_whole_file(path), name), name);
   TexturedShell textured;
@@ -203,9 +204,14 @@ TexturedShell read_textured_shell(const std::filesystem::path& path, Progress* p
   for (Vec2* pair : {&textured.coordinates.repeat, &textured.coordinates.offset})
     for (double& x : *pair) x = reader.number();
   try {
-    const VolumeTexture texture = read_texture(reader);
+    VolumeTexture texture = read_texture(reader);
     reader.end();
-    textured.texture = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
+    VolumeMipmap mipmap;
+    if (options.make_mipmap)
+      mipmap = make_mipmap(texture);
+    else
+      mipmap.surfaces.push_back(std::move(texture));
+    textured.texture = std::make_shared<const VolumeMipmap>(std::move(mipmap));
   } catch (const OptionError& error) {
     reader.refuse(error.what());
   }

@@ -13,10 +13,16 @@ namespace recede {
 /// files that can't be written.
 void write_textured_shell(const std::filesystem::path& path, const TexturedShell& textured);
 
-/// Checks the layer (`check_shell`) and makes the smaller versions of the texture (`make_mipmap`) anew.
-/// Throws `InputError` for files that can't be read, are damaged, or hold what has no meaning, and
-/// `Cancelled`.
-TexturedShell read_textured_shell(const std::filesystem::path& path, Progress* progress = nullptr);
+struct ReadShellOptions {
+  /// Makes the smaller versions of the texture (`make_mipmap`), which pictures from afar need; else there is
+  /// the finest alone.
+  bool make_mipmap = true;
+};
+
+/// Checks the layer (`check_shell`). Throws `InputError` for files that can't be read, are damaged, or hold
+/// what has no meaning, and `Cancelled`.
+TexturedShell read_textured_shell(const std::filesystem::path& path, const ReadShellOptions& options = {},
+                                  Progress* progress = nullptr);
 
 /// Ends in `.shell`.
 bool is_textured_shell(const std::filesystem::path& path);
