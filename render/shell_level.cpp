@@ -45,15 +45,21 @@ class ViewFromAbove {
     Seen seen{.area = vector_area(base_, triangle).norm()};
     ShellPlace place{triangle, weights, is_inward_ ? 1.0 : 0.0};
     seen.color = color_of_base(triangle, weights);
-    // Steps of half a texel; what opacity does between them is no more than the layer's bound allows.
+    // Steps of half a texel; then the place where opacity is a half.
     const int steps = 2 * texture_.size[2];
+    const auto at_depth = [&](double depth) { return Vec3(st.x(), st.y(), is_inward_ ? depth : 1 - depth); };
+    const auto is_inside = [&](double depth) { return opacity_at(texture_, at_depth(depth)) >= 0.5; };
     for (int step = 0; step <= steps; ++step) {
-      const double depth = static_cast<double>(step) / steps;
-      const double height = is_inward_ ? depth : 1 - depth;
-      if (opacity_at(texture_, {st.x(), st.y(), height}) < 0.5) continue;
-      place.height = height;
-      seen.color =
-          color_of_matter({st.x(), st.y(), height}) * shading(place, {st.x(), st.y(), height}, step == 0);
+      double inside = static_cast<double>(step) / steps;
+      if (!is_inside(inside)) continue;
+      double outside = std::max(0, step - 1) / static_cast<double>(steps);
+      for (int halving = 0; halving < 8 && step > 0; ++halving) {
+        const double middle = (outside + inside) / 2;
+        (is_inside(middle) ? inside : outside) = middle;
+      }
+      const Vec3 met = at_depth(inside);
+      place.height = met.z();
+      seen.color = color_of_matter(met) * shading(place, met, step == 0);
       break;
     }
     seen.place = shell_point(*textured_.shell, layer_, place);
