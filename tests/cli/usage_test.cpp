@@ -10,9 +10,9 @@ using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
-                         testing::Values("atlas", "bake", "billboards", "simplify", "compare", "diff", "info",
-                                         "progressive", "extract", "render", "turntable", "dice", "subdivide",
-                                         "seams", "shell", "walk"),
+                         testing::Values("atlas", "bake", "billboards", "carve", "simplify", "compare",
+                                         "diff", "info", "progressive", "extract", "render", "turntable",
+                                         "dice", "subdivide", "seams", "shell", "walk"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -37,10 +37,10 @@ TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.output,
-              AllOf(HasSubstr("atlas"), HasSubstr("bake"), HasSubstr("billboards"), HasSubstr("simplify"),
-                    HasSubstr("compare"), HasSubstr("diff"), HasSubstr("info"), HasSubstr("progressive"),
-                    HasSubstr("extract"), HasSubstr("render"), HasSubstr("turntable"), HasSubstr("dice"),
-                    HasSubstr("subdivide")));
+              AllOf(HasSubstr("atlas"), HasSubstr("bake"), HasSubstr("billboards"), HasSubstr("carve"),
+                    HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("diff"), HasSubstr("info"),
+                    HasSubstr("progressive"), HasSubstr("extract"), HasSubstr("render"),
+                    HasSubstr("turntable"), HasSubstr("dice"), HasSubstr("subdivide")));
 }
 
 TEST(Usage, PrintsTheVersion) {

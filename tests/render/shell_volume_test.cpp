@@ -95,6 +95,52 @@ TEST(ShellVolume, HasNoSeamsBetweenPrisms) {
   EXPECT_LE(differ, camera.width * camera.height / 500);
 }
 
+// Two textures in one layer show what the larger opacity of both does, and one moves by its coordinates
+// alone.
+TEST(ShellVolume, TwoTexturesInALayerAreTheirUnion) {
+  const auto ball = [](double x, double y) {
+    return [=](const Vec3& point) { return 0.22 - (point - Vec3(x, y, 0.5)).norm(); };
+  };
+  const VolumeOptions options{.size = {32, 32, 32}, .extent = Vec3::Ones(), .is_periodic = false};
+  const VolumeTexture first = make_volume(ball(0.4, 0.4), options),
+                      second = make_volume(ball(0.6, 0.6), options);
+  const Camera camera{.position = {0.3, -4, 5}, .target = {0, 0, 0.5}, .width = 120, .height = 120};
+  const auto in_layer = [](const VolumeTexture& texture) {
+    PlacedVolume volume;
+    volume.textured.shell = std::make_shared<const Shell>(
+        build_shell(square(2), {.thickness = 1, .method = DirectorMethod::normals}));
+    VolumeMipmap finest;
+    finest.surfaces.push_back(texture);
+    volume.textured.texture = std::make_shared<const VolumeMipmap>(std::move(finest));
+    return volume;
+  };
+  for (const int moved : {0, 4}) {  // texels
+    VolumeTexture both = first;
+    for (int k = 0; k < 32; ++k)
+      for (int j = 0; j < 32; ++j)
+        for (int i = moved; i < 32; ++i) {
+          std::uint8_t& opacity = both.opacity[both.texel(i, j, k)];
+          opacity = std::max(opacity, second.opacity[second.texel(i - moved, j, k)]);
+        }
+    std::vector<PlacedVolume> two{in_layer(first), in_layer(second)};
+    two[1].textured.coordinates.offset.x() = -moved / 32.0;
+    const PlacedVolume united = in_layer(both);
+    const RenderOptions rendering{.samples_per_pixel = 1, .background = Rgb::Zero(), .camera_light = {}};
+    const Image apart = render(Scene({}, std::span<const PlacedVolume>(two)), camera, rendering),
+                together = picture(united, camera, 1);
+    int differ = 0, seen = 0;
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        differ += (apart.at(x, y) - together.at(x, y)).cwiseAbs().maxCoeff() > 0.02f ? 1 : 0;
+        seen += together.at(x, y).sum() > 0 ? 1 : 0;
+      }
+    }
+    // Where the two balls meet gradients of the larger one have a crease, smoothed over two texels.
+    EXPECT_LE(differ, seen / 25);
+    EXPECT_GT(seen, 400);
+  }
+}
+
 // Normals are those of a ball, as well in a layer that points inwards.
 TEST(ShellVolume, ShadesByTheGradientOnBothSides) {
   const VolumeTexture texture =
