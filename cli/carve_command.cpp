@@ -64,24 +64,11 @@ void check(const CarveCommandOptions& options) {
     throw OptionError("--color is of what --operation unite adds");
 }
 
-ShellPlace place_near(const Shell& shell, const std::array<double, 3>& point) {
-  const ClosestPointTree tree(shell.base.positions, shell.base.corner_vertices);
-  const ClosestPointTree::Hit hit = tree.closest(to_vector(point));
-  const Triangle corners = tree.triangle(hit.triangle);
-  const Vec3 first = corners.b - corners.a, second = corners.c - corners.a, off = hit.point - corners.a;
-  const Vec3 normal = first.cross(second);
-  ShellPlace place{.triangle = hit.triangle};
-  place.weights.y() = off.cross(second).dot(normal) / normal.squaredNorm();
-  place.weights.z() = first.cross(off).dot(normal) / normal.squaredNorm();
-  place.weights.x() = 1 - place.weights.y() - place.weights.z();
-  return place;
-}
-
 Edited edit(VolumeTexture& texture, const LayerGrid& grid, const CarveCommandOptions& options,
             Progress* progress) {
   if (options.from) {
-    MoveOptions move{.from = place_near(grid.shell(), *options.from),
-                     .to = place_near(grid.shell(), *options.to)};
+    MoveOptions move{.from = nearest_place(grid.shell(), to_vector(*options.from)),
+                     .to = nearest_place(grid.shell(), to_vector(*options.to))};
     move.radius = options.radius;
     move.turn = options.turn * std::numbers::pi / 180;
     move.is_copy = options.is_copy;
@@ -139,22 +126,13 @@ void print_text(const CarveCommandOptions& options, const LayerGrid& grid, const
 void run(const CarveCommandOptions& options) {
   check(options);
   TerminalProgress progress(options.common.quiet);
-  TexturedShell textured = read_textured_shell(options.input, {.make_mipmap = false}, &progress);
+  const TexturedShell textured = read_textured_shell(options.input, {.make_mipmap = false}, &progress);
   const auto start = std::chrono::steady_clock::now();
-  const VolumeTexture& before = textured.texture->surfaces.front();
-  const bool is_filled_once = !before.is_periodic && textured.coordinates.repeat == Vec2(1, 1) &&
-                              textured.coordinates.offset == Vec2(0, 0) &&
-                              options.size.value_or(before.size) == before.size;
-  const LayerGrid grid(textured.shell, textured.side,
-                       is_filled_once ? before.size : options.size.value_or(unwrapped_size(textured)));
-  VolumeTexture texture = is_filled_once ? before : unwrap_volume(textured, grid);
-  const Edited edited = edit(texture, grid, options, &progress);
+  FilledLayer filled = fill_once(textured, options.size);
+  const LayerGrid& grid = filled.grid;
+  const Edited edited = edit(filled.texture, grid, options, &progress);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  VolumeMipmap finest;
-  finest.surfaces.push_back(std::move(texture));
-  textured.texture = std::make_shared<const VolumeMipmap>(std::move(finest));
-  textured.coordinates = {};
-  write_textured_shell(options.output, textured);
+  write_textured_shell(options.output, with_texture(textured, std::move(filled.texture)));
   progress.clear();
   if (grid.missed() > 0)
     print_remark(fmt::format("{}: {} triangles are smaller than texels; a larger --size fills them",

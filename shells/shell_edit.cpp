@@ -195,6 +195,39 @@ std::array<int, 3> unwrapped_size(const TexturedShell& textured) {
   return {along(0), along(1), source.size[2]};
 }
 
+FilledLayer fill_once(const TexturedShell& textured, const std::optional<std::array<int, 3>>& size) {
+  textured.layer();
+  const VolumeTexture& texture = textured.texture->surfaces.front();
+  const bool is_filled_once = !texture.is_periodic && textured.coordinates.repeat == Vec2(1, 1) &&
+                              textured.coordinates.offset == Vec2(0, 0) &&
+                              size.value_or(texture.size) == texture.size;
+  if (is_filled_once) return {LayerGrid(textured.shell, textured.side, texture.size), texture};
+  LayerGrid grid(textured.shell, textured.side, size ? *size : unwrapped_size(textured));
+  VolumeTexture unwrapped = unwrap_volume(textured, grid);
+  return {std::move(grid), std::move(unwrapped)};
+}
+
+TexturedShell with_texture(const TexturedShell& textured, VolumeTexture texture) {
+  VolumeMipmap finest;
+  finest.surfaces.push_back(std::move(texture));
+  return {.shell = textured.shell,
+          .side = textured.side,
+          .texture = std::make_shared<const VolumeMipmap>(std::move(finest))};
+}
+
+ShellPlace nearest_place(const Shell& shell, const Vec3& point) {
+  const ClosestPointTree tree(shell.base.positions, shell.base.corner_vertices);
+  const ClosestPointTree::Hit hit = tree.closest(point);
+  const Triangle corners = tree.triangle(hit.triangle);
+  const Vec3 first = corners.b - corners.a, second = corners.c - corners.a, off = hit.point - corners.a;
+  const Vec3 normal = first.cross(second);
+  ShellPlace place{.triangle = hit.triangle};
+  place.weights.y() = off.cross(second).dot(normal) / normal.squaredNorm();
+  place.weights.z() = first.cross(off).dot(normal) / normal.squaredNorm();
+  place.weights.x() = 1 - place.weights.y() - place.weights.z();
+  return place;
+}
+
 EditReport combine(VolumeTexture& texture, const LayerGrid& grid, const InsideDistance& body,
                    const CombineOptions& options, Progress* progress) {
   detail::check_filled_once(texture, grid);

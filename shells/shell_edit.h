@@ -26,6 +26,22 @@ VolumeTexture unwrap_volume(const TexturedShell& textured, const LayerGrid& grid
 /// many as it has. At least 1, and at most 4096 along s and t.
 std::array<int, 3> unwrapped_size(const TexturedShell& textured);
 
+/// What edits need: a texture that fills its layer once, and where its texels are.
+struct FilledLayer {
+  LayerGrid grid;
+  VolumeTexture texture;
+};
+
+/// The texture as it is where it fills the layer once, in texels of `size` if that is given; else it is
+/// unwrapped, to `size` or `unwrapped_size`. Errors are those of `LayerGrid` and `unwrap_volume`.
+FilledLayer fill_once(const TexturedShell& textured, const std::optional<std::array<int, 3>>& size = {});
+
+/// With the edited texture, as it is (without `transparent` levels), in the same layer.
+TexturedShell with_texture(const TexturedShell& textured, VolumeTexture texture);
+
+/// The place of a shell's base that is nearest to a point.
+ShellPlace nearest_place(const Shell& shell, const Vec3& point);
+
 enum class VolumeOperation {
   unite,      ///< matter is where it was or where the body is
   intersect,  ///< where both are

@@ -262,14 +262,34 @@ TEST(ShellEdit, UnwrapsWhatRepeats) {
   EXPECT_FALSE(unwrapped.is_periodic);
 }
 
-ShellPlace place_at(const Shell& shell, const Vec3& point) {
-  const ClosestPointTree tree(shell.base.positions, shell.base.corner_vertices);
-  const ClosestPointTree::Hit hit = tree.closest(point);
-  const Triangle t = tree.triangle(hit.triangle);
-  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
-  const double u = (hit.point - t.a).cross(t.c - t.a).dot(normal) / normal.squaredNorm(),
-               v = (t.b - t.a).cross(hit.point - t.a).dot(normal) / normal.squaredNorm();
-  return {hit.triangle, {1 - u - v, u, v}, 0};
+TEST(ShellEdit, FillsALayerOnceBeforeItIsEdited) {
+  TexturedShell textured;
+  textured.shell = shell_of(square(2), 0.3);
+  textured = with_texture(textured, make_volume(weave(), 8));
+  textured.coordinates = {.repeat = {4, 4}};
+  const FilledLayer filled = fill_once(textured);
+  EXPECT_EQ(filled.texture.size, unwrapped_size(textured));
+  EXPECT_FALSE(filled.texture.is_periodic);
+  const TexturedShell once = with_texture(textured, filled.texture);
+  EXPECT_EQ(once.coordinates.repeat, Vec2(1, 1));
+  EXPECT_EQ(fill_once(once).texture.opacity, filled.texture.opacity);
+  EXPECT_EQ(fill_once(once, std::array{20, 30, 4}).texture.size, (std::array{20, 30, 4}));
+}
+
+TEST(ShellEdit, FindsTheNearestPlace) {
+  const auto shell = shell_of(half_cylinder(6), 0.3);
+  const ShellPlace place = nearest_place(*shell, {0.3, 0.2, 5});
+  EXPECT_NEAR(place.weights.sum(), 1, 1e-12);
+  EXPECT_GE(place.weights.minCoeff(), -1e-12);
+  const Vec3 from(0.3, 0.2, 5);
+  const double distance = (shell_point(*shell, *shell->exterior, place) - from).norm();
+  for (Index t = 0; t < shell->base.n_faces(); ++t) {
+    for (int n = 0; n < 66; ++n) {
+      const double u = n % 11 / 10.0, v = (1 - u) * (n / 11) / 5.0;
+      EXPECT_GE((shell_point(*shell, *shell->exterior, {t, {1 - u - v, u, v}, 0}) - from).norm(),
+                distance - 1e-12);
+    }
+  }
 }
 
 // On a plane the maps are without stretch: a ball that moves is a ball elsewhere.
@@ -290,7 +310,7 @@ TEST(ShellEdit, MovesMatterOverAPlane) {
     return most;
   };
   VolumeTexture moved = with_balls({from});
-  MoveOptions options{.from = place_at(*shell, from), .to = place_at(*shell, to), .radius = 0.25};
+  MoveOptions options{.from = nearest_place(*shell, from), .to = nearest_place(*shell, to), .radius = 0.25};
   const MoveReport report = move_matter(moved, grid, options);
   EXPECT_NEAR(report.stretch, 1, 1e-6);
   EXPECT_EQ(report.without_source, 0u);
@@ -335,7 +355,8 @@ TEST(ShellEdit, MovesMatterOverACurve) {
     return std::pair(volume, Vec3(sum / volume));
   };
   const auto [before, middle_before] = moments();
-  move_matter(texture, grid, {.from = place_at(*shell, from), .to = place_at(*shell, to), .radius = 0.3});
+  move_matter(texture, grid,
+              {.from = nearest_place(*shell, from), .to = nearest_place(*shell, to), .radius = 0.3});
   const auto [after, middle_after] = moments();
   // The map of a piece of cylinder by triangles of a fifteenth stretches little.
   EXPECT_NEAR(after / before, 1, 0.03);
@@ -348,7 +369,7 @@ TEST(ShellEdit, SaysWhatMovesOverABorder) {
   VolumeTexture texture = make_uniform_volume(grid, 0.25);
   const MoveReport report = move_matter(
       texture, grid,
-      {.from = place_at(*shell, {-0.9, 0, 0}), .to = place_at(*shell, {0.4, 0, 0}), .radius = 0.3});
+      {.from = nearest_place(*shell, {-0.9, 0, 0}), .to = nearest_place(*shell, {0.4, 0, 0}), .radius = 0.3});
   // The disc's part beyond the border, 0.1 from its middle: 0.29 of its area.
   EXPECT_NEAR(static_cast<double>(report.without_source) / (std::numbers::pi * 0.09 / (2 * 2) * 48 * 48 * 8),
               0.29, 0.1);
@@ -360,9 +381,10 @@ TEST(ShellEdit, IsTheSameForAnyNumberOfThreads) {
     const LayerGrid grid(shell, ShellSide::exterior, {64, 64, 8});
     VolumeTexture texture = make_uniform_volume(grid, 1);
     const double volume = combine(texture, grid, ball({0.2, 0, 1.1}, 0.3)).volume;
-    move_matter(
-        texture, grid,
-        {.from = place_at(*shell, {0.2, 0, 1}), .to = place_at(*shell, {-0.5, 0.2, 0.8}), .radius = 0.3});
+    move_matter(texture, grid,
+                {.from = nearest_place(*shell, {0.2, 0, 1}),
+                 .to = nearest_place(*shell, {-0.5, 0.2, 0.8}),
+                 .radius = 0.3});
     return std::pair(texture.opacity, volume);
   };
   const auto many = run();
@@ -396,7 +418,7 @@ TEST(ShellEdit, RefusesWhatItCannotEdit) {
   const std::vector<std::uint8_t> before = texture.opacity;
   EXPECT_THROW(combine(texture, grid, body, {}, &impatient), Cancelled);
   EXPECT_EQ(texture.opacity, before);
-  const ShellPlace place = place_at(*shell, {0, 0, 0});
+  const ShellPlace place = nearest_place(*shell, {0, 0, 0});
   EXPECT_THROW(move_matter(texture, grid, {.from = place, .to = place, .radius = 0}), OptionError);
   EXPECT_THROW(move_matter(texture, grid, {.from = place, .to = {9, {1, 0, 0}, 0}, .radius = 1}),
                OptionError);
