@@ -5,6 +5,7 @@
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
+#include "shells.h"
 #include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
@@ -170,12 +171,23 @@ struct Drawn {
   std::shared_ptr<const BakedMaps> maps;
   std::optional<DisplacementMap> heights;  ///< over `soup`
   std::optional<PlacedBillboards> billboards;
+  std::optional<PlacedVolume> volume;
 
   std::vector<Vec3> points() const {
     if (billboards) return quads_of(*billboards->textures).positions;
+    if (volume) return volume->textured.shell->base.positions;
     return maps ? maps->surface.positions : soup->positions;
   }
-  Scene scene(const DisplacedMeshOptions& displacement, const SceneOptions& shading) const {
+  Scene scene_of_volume(const Camera& camera, const SceneOptions& shading) const {
+    PlacedVolume placed = *volume;
+    PolygonSoup solid = placed.textured.shell->base;
+    if (placed.textured.side == ShellSide::interior) solid.positions = placed.textured.layer().tops;
+    placed.view = volume_view(camera);
+    return Scene(std::span(&solid, 1), std::span<const PlacedVolume>(&placed, 1), shading);
+  }
+  Scene scene(const Camera& camera, const DisplacedMeshOptions& displacement,
+              const SceneOptions& shading) const {
+    if (volume) return scene_of_volume(camera, shading);
     if (billboards) return Scene(std::span<const PolygonSoup>{}, std::span(&*billboards, 1), shading);
     if (maps) return Scene(*maps, displacement, shading);
     return heights ? Scene(*soup, *heights, displacement, shading) : Scene(*soup, shading);
@@ -186,6 +198,22 @@ Drawn read_drawn(const py::object& surface, const py::dict& from) {
   Drawn drawn;
   if (py::isinstance<Baked>(surface)) {
     drawn.maps = surface.cast<const Baked&>().maps;
+    return drawn;
+  }
+  if (py::isinstance<FilledShell>(surface)) {
+    auto& filled = surface.cast<FilledShell&>();
+    if (filled.textured.texture->transparent.empty()) {
+      const std::shared_ptr<const VolumeMipmap> finest = filled.textured.texture;
+      const auto made = [&] {
+        const py::gil_scoped_release unlocked;
+        return std::make_shared<const VolumeMipmap>(make_mipmap(finest->surfaces.front()));
+      };
+      filled.textured.texture = made();
+    }
+    drawn.volume.emplace(PlacedVolume{filled.textured});
+    std::optional<Vec3> color;
+    read(from, "matter_color", color);
+    if (color) drawn.volume->color = color->cast<float>();
     return drawn;
   }
   if (py::isinstance<Cloud>(surface)) {
@@ -222,7 +250,7 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
     const std::vector<Vec3> points = drawn.points();
     const Camera in_front = camera_in_front(points, up, field_of_view, width, height);
     const Camera camera = place_camera(in_front, points, eye, look_at);
-    return render(drawn.scene(displacement, shading), camera, options, p);
+    return render(drawn.scene(camera, displacement, shading), camera, options, p);
   });
   return to_array(image);
 }

@@ -410,6 +410,7 @@ PYBIND11_MODULE(_recede, m) {
     return make_mesh(make_tree({.leaves = leaves, .seed = seed}));
   });
   bind_shells(m);
+  bind_volumes(m);
   bind_subdivision(m);
   bind_billboards(m);
   bind_cad(m);

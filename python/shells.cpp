@@ -1,8 +1,9 @@
 // Shells for Python.
+#include "shells.h"
+
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
-#include <recede/shells/shell.h>
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -10,10 +11,6 @@
 namespace recede::python {
 namespace {
 
-/// Shared, so that arrays outlive the lock.
-struct BuiltShell {
-  std::shared_ptr<const Shell> shell;
-};
 struct BuiltLayer {
   std::shared_ptr<const Shell> shell;
   const ShellLayer* layer;

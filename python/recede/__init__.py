@@ -55,14 +55,17 @@ from ._recede import (
     ShellLayer,
     SimplifyResult,
     Subdivision,
+    TexturedShell,
     TrimmedPatch,
     TrimmingCurve,
+    VolumeTexture,
 )
 from . import _recede
 from .billboards import (build_billboards, make_billboard_reflectance, read_billboard_reflectance,
                          write_billboards)
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
 from .shells import averaged_distance, build_shell
+from .volumes import carve, fill_shell, make_volume, move_matter, read_textured_shell
 
 __all__ = [
     "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud",
@@ -70,10 +73,10 @@ __all__ = [
     "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level",
     "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "PointLight",
     "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer", "SimplifyResult",
-    "Subdivision", "TrimmedPatch", "TrimmingCurve", "averaged_distance", "bake", "bake_maps", "build_billboards",
-    "build_progressive", "build_shell", "can_read_cad", "compare", "dice", "diff", "make_appearance", "make_atlas",
-    "make_billboard_reflectance", "make_displaced_sphere", "make_teapot", "make_tree", "read", "read_appearance",
-    "read_billboard_reflectance", "read_cad", "read_image", "render", "set_threads", "simplify", "simplify_levels",
+    "Subdivision", "TexturedShell", "TrimmedPatch", "TrimmingCurve", "VolumeTexture", "averaged_distance", "bake", "bake_maps", "build_billboards",
+    "build_progressive", "build_shell", "can_read_cad", "carve", "compare", "dice", "diff", "fill_shell", "make_appearance", "make_atlas",
+    "make_billboard_reflectance", "make_displaced_sphere", "make_teapot", "make_tree", "make_volume", "move_matter", "read", "read_appearance",
+    "read_billboard_reflectance", "read_cad", "read_image", "read_textured_shell", "render", "set_threads", "simplify", "simplify_levels",
     "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
 ]
 
@@ -503,14 +506,14 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
     return _recede.subdivide(mesh, options, progress)
 
 
-def render(surface: Mesh | BakedMaps | BillboardCloud, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
+def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,
            up: Sequence[float] = (0, 1, 0), field_of_view: float = 45, image_width: int = 800, image_height: int = 600,
            samples: int = 16, wireframe: bool = False, flat: bool = False, ground: bool = False,
            lighting: str = "camera", lights: Sequence[Light] | None = None, ambient: float = 0.1, bounces: int = 4,
            noise: float = 0, light_sampling: str = "both", periodic: bool = False, subdivision_level: int | None = None,
            appearance: Appearance | None = None, representation: str = "auto", transition_distance: float | None = None,
            show_methods: bool = False, reflectance: BillboardReflectance | None = None,
-           progress: Progress | None = None) -> np.ndarray:
+           matter_color: Sequence[float] | None = None, progress: Progress | None = None) -> np.ndarray:
     """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
 
     Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
@@ -533,7 +536,8 @@ def render(surface: Mesh | BakedMaps | BillboardCloud, height: npt.ArrayLike | N
     covers two pixels). `show_methods` gives false colours: green is displacement, blue the bump map, red the table.
 
     A cloud of billboards is drawn with the heights of its textures, or by its `reflectance`
-    (`make_billboard_reflectance`).
+    (`make_billboard_reflectance`). A textured shell is drawn with its matter over what is left of the body;
+    `matter_color`, linear light, is that of matter without colours.
 
     Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read, for maps without
     heights and for a mesh without texture coordinates.
@@ -544,14 +548,15 @@ def render(surface: Mesh | BakedMaps | BillboardCloud, height: npt.ArrayLike | N
                "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
                "wireframe": wireframe, "flat": flat, "ground": ground, "height": height, "periodic": periodic,
                "subdivision_level": subdivision_level, "appearance": appearance, "representation": representation,
-               "transition_distance": transition_distance, "show_methods": show_methods, "reflectance": reflectance}
+               "transition_distance": transition_distance, "show_methods": show_methods, "reflectance": reflectance,
+               "matter_color": matter_color}
     if appearance is not None and height is None and not isinstance(surface, BakedMaps):
         raise TypeError("an appearance is that of heights, and there are none")
     if reflectance is not None and not isinstance(surface, BillboardCloud):
         raise TypeError("a reflectance is that of billboards, and there are none")
-    is_surface = isinstance(surface, (Mesh, BakedMaps, BillboardCloud))
+    is_surface = isinstance(surface, (Mesh, BakedMaps, BillboardCloud, TexturedShell))
     if not is_surface or (height is not None and not isinstance(surface, Mesh)):
-        raise TypeError("render takes a mesh, a mesh and its heights, baked maps, or billboards")
+        raise TypeError("render takes a mesh, a mesh and its heights, baked maps, billboards, or a textured shell")
     return _recede.render(surface, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)
 
 

@@ -477,6 +477,39 @@ class Shell:
     def boundary(self) -> Mesh:
         """All sides as one closed mesh"""
 
+class VolumeTexture:
+    """A grid of opacity for the layer of a shell. See `recede.make_volume`."""
+    @property
+    def opacity(self) -> npt.NDArray[np.uint8]:
+        """(r, t, s): 0 outside, 255 inside, the surface is where it is half of that"""
+    @property
+    def colors(self) -> Optional[npt.NDArray[np.uint8]]:
+        """(r, t, s, 3), sRGB-encoded"""
+    @property
+    def extent(self) -> npt.NDArray[np.float64]:
+        """Lengths along s, t and r"""
+    @property
+    def is_periodic(self) -> bool: ...
+    @property
+    def ramp(self) -> float:
+        """Opacity goes from 0 to 1 over twice this length; 0: unknown"""
+
+class TexturedShell:
+    """A volume texture in a layer of a shell. See `recede.fill_shell`."""
+    @property
+    def shell(self) -> Shell: ...
+    @property
+    def side(self) -> str: ...
+    @property
+    def volume(self) -> VolumeTexture:
+        """A copy"""
+    @property
+    def repeat(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def offset(self) -> npt.NDArray[np.float64]: ...
+    def write(self, path: _Path) -> None:
+        """To a .shell file, which `recede.read_textured_shell` reads."""
+
 class AveragedDistance:
     """At each of some points. See `recede.averaged_distance`."""
     @property
@@ -663,6 +696,17 @@ def read_billboard_reflectance(path: _Path) -> BillboardReflectance: ...
 def write_billboards(
     folder: _Path, mesh: Mesh, clouds: Sequence[BillboardCloud], name: str, view: dict[str, Any], progress: _Progress
 ) -> Path: ...
+def named_volume(name: str, texels: int, settings: Mapping[str, Any], progress: _Progress) -> VolumeTexture: ...
+def volume_from_arrays(opacity: npt.ArrayLike, colors: Optional[npt.ArrayLike], extent: Sequence[float], periodic: bool,
+                       ramp: float) -> VolumeTexture: ...
+def fill_with_volume(shell: Shell, volume: VolumeTexture, side: str, repeat: Sequence[float],
+                     offset: Sequence[float]) -> TexturedShell: ...
+def fill_with_matter(shell: Shell, opacity: float, side: str, size: Sequence[int]) -> TexturedShell: ...
+def carve(textured: TexturedShell, tool: Any, operation: str, settings: Mapping[str, Any],
+          progress: _Progress) -> tuple[TexturedShell, dict[str, Any]]: ...
+def move_matter(textured: TexturedShell, source: Sequence[float], target: Sequence[float],
+                settings: Mapping[str, Any]) -> tuple[TexturedShell, dict[str, Any]]: ...
+def read_textured_shell(path: _Path) -> TexturedShell: ...
 def build_shell(mesh: Mesh, settings: Mapping[str, Any], progress: _Progress) -> Shell: ...
 def averaged_distance(
     mesh: Mesh, points: npt.ArrayLike, settings: Mapping[str, Any], progress: _Progress
