@@ -2,6 +2,7 @@
 #include "shell_volumes.h"
 
 #include "shell_run.h"
+#include <recede/geometry/detail/hashed_number.h>
 #include <recede/render/detail/flush_denormals.h>
 #include <recede/render/detail/tracing.h>
 
@@ -45,8 +46,11 @@ std::vector<SeenVolume> trace_volumes(const Scene& scene, const Camera& camera, 
     std::size_t at = static_cast<std::size_t>(y) * width * of_pixel;
     for (int x = 0; x < camera.width; ++x) {
       for (int s = 0; s < samples * samples; ++s, ++at) {
+        // Several are anywhere in their part of the pixel: even ones beat with periods.
+        const double u = samples > 1 ? detail::hashed_number(at, 0) : 0.5,
+                     v = samples > 1 ? detail::hashed_number(at, 1) : 0.5;
         const Vec3 direction =
-            frame.direction(x + (s % samples + 0.5) / samples, y + (s / samples + 0.5) / samples);
+            frame.direction(x + (s % samples + u) / samples, y + (s / samples + v) / samples);
         const detail::Ray ray{eye, direction.cast<float>()};
         detail::Hit hit;
         if (!detail::nearest_hit(data, ray, hit)) continue;

@@ -34,7 +34,7 @@ struct SeenVolume {
   Vec3 normal = Vec3::Zero();  ///< of transparent matter the mean, not unit
 };
 
-/// Of `samples` x `samples` rays through each pixel, evenly, one after the other.
+/// Of `samples` x `samples` rays through each pixel, one in each part of it, one after the other.
 std::vector<SeenVolume> trace_volumes(const Scene& scene, const Camera& camera, int samples = 1);
 
 }  // namespace recede::bench
