@@ -38,6 +38,7 @@ std::string shell_tables(const BenchOptions& options) {
                         {{"field", measure_shell_field},
                          {"directors", measure_shell_directors},
                          {"torture", measure_shell_torture},
+                         {"volumes", measure_shell_volumes},
                          {"models", measure_shell_models}});
 }
 

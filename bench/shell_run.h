@@ -23,6 +23,10 @@ BenchSection measure_shell_models(const BenchOptions& options);
 /// Layers over sixteen spoilt variants of one mesh.
 BenchSection measure_shell_torture(const BenchOptions& options);
 
+/// Volume textures: pictures by rays beside those by slices (`draw_slices`), and what levels keep of opacity
+/// and brightness.
+BenchSection measure_shell_volumes(const BenchOptions& options);
+
 /// A layer on one side, and how long it took.
 struct TimedShell {
   Shell shell;

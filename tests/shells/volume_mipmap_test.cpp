@@ -2,10 +2,14 @@
 #include <recede/shells/procedural_volumes.h>
 #include <recede/shells/volume_mipmap.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace {
@@ -103,6 +107,131 @@ TEST(VolumeMipmap, NormalsOfABallAndOfAPlane) {
   EXPECT_LT(mean.head<2>().norm(), 0.01);  // entries are rounded by 1/255
   // Rough is shorter, so darker.
   EXPECT_LT(mean_normal_along(of_ball, -Vec3::UnitZ()).norm(), mean.norm());
+}
+
+Matrix3 ellipsoid(const Eigen::Quaterniond& turn, const Vec3& axes) {
+  const Matrix3 columns = turn.toRotationMatrix() * axes.asDiagonal();
+  return columns * columns.transpose();
+}
+
+std::array<std::uint8_t, 6> encoded(const Matrix3& matrix) {
+  const double entries[] = {matrix(0, 0), matrix(1, 1), matrix(2, 2),
+                            matrix(0, 1), matrix(0, 2), matrix(1, 2)};
+  std::array<std::uint8_t, 6> bytes{};
+  for (std::size_t e = 0; e < 6; ++e) {
+    EXPECT_LE(std::abs(entries[e]), 1 + 1e-12);  // with a longest axis of 1
+    bytes[e] = static_cast<std::uint8_t>(std::lround(127.5 * (std::clamp(entries[e], -1.0, 1.0) + 1)));
+  }
+  return bytes;
+}
+
+Vec3 random_unit(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Vec3(normal(random), normal(random), normal(random)).normalized();
+}
+
+Eigen::Quaterniond random_turn(std::mt19937& random) {
+  std::uniform_real_distribution<double> angle(0, std::numbers::pi);
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle(random), random_unit(random)));
+}
+
+// Checklist 25: bytes keep an ellipsoid's axes, and what is linear between ellipsoids is one.
+TEST(VolumeMipmap, BytesKeepEllipsoids) {
+  constexpr double k_step = 0.5 / 127.5;  // what rounding an entry changes
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> number(0, 1);
+  for (int n = 0; n < 200; ++n) {
+    Matrix3 between = Matrix3::Zero();
+    double weights = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 axes(1, 0.3 + 0.5 * number(random), 0.3 + 0.5 * number(random));
+      const Eigen::Quaterniond turn = random_turn(random);
+      const Matrix3 exact = ellipsoid(turn, axes), kept = normal_matrix(encoded(exact));
+      EXPECT_LE((kept - exact).cwiseAbs().maxCoeff(), k_step + 1e-12);
+      EXPECT_EQ(encoded(kept), encoded(exact));
+      const Eigen::SelfAdjointEigenSolver<Matrix3> solver(kept);
+      Vec3 squares = axes.cwiseProduct(axes);
+      std::sort(squares.data(), squares.data() + 3);
+      // Nine entries that are off change no eigenvalue by more than three times as much, and the longest
+      // axis, whose square is 0.36 above the next, by no more than that over the difference.
+      EXPECT_LE((solver.eigenvalues() - squares).cwiseAbs().maxCoeff(), 3 * k_step);
+      const Vec3 longest = turn * Vec3::UnitX();
+      EXPECT_LT(longest.cross(solver.eigenvectors().col(2)).norm(), 3 * k_step / 0.36 * 1.1);
+      const double weight = number(random);
+      between += weight * kept;
+      weights += weight;
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(between / weights);
+    EXPECT_GT(solver.eigenvalues()[0], 0.09 - 3 * k_step);
+    EXPECT_LE(solver.eigenvalues()[2], 1 + 3 * k_step);
+  }
+}
+
+// Checklist 25: the normals of a sum are those of both but for the square of the angle between them.
+TEST(VolumeMipmap, NormalsOfSumsAreSumsOfNormals) {
+  std::mt19937 random(7);
+  for (int n = 0; n < 50; ++n) {
+    const Eigen::Quaterniond turn = random_turn(random);
+    const Vec3 about = random_unit(random), direction = random_unit(random);
+    const auto error = [&](double angle) {
+      const Vec3 axes(1, 0.7, 0.4);
+      const Matrix3 one = ellipsoid(Eigen::AngleAxisd(angle / 2, about) * turn, axes),
+                    other = ellipsoid(Eigen::AngleAxisd(-angle / 2, about) * turn, axes);
+      return (mean_normal_along((one + other) / 2, direction) -
+              (mean_normal_along(one, direction) + mean_normal_along(other, direction)) / 2)
+          .norm();
+    };
+    // Half the angle, a quarter of the error; a third at most, as what the angle's fourth power adds isn't
+    // nothing.
+    EXPECT_LT(error(0.1), error(0.2) / 3 + 1e-6) << n;
+    EXPECT_LT(error(0.2), 0.04);
+  }
+}
+
+/// Mean of the unit normals over the outline's disc, as a brute-force sum.
+Vec3 exact_mean_normal(const Matrix3& inverse, const Vec3& direction) {
+  const Matrix3 form = inverse.inverse();
+  const Vec3 side = direction.unitOrthogonal(), up = direction.cross(side);
+  Eigen::Matrix<double, 3, 2> basis;
+  basis << side, up;
+  const Eigen::LLT<Eigen::Matrix2d> shadow(basis.transpose() * inverse * basis);
+  const Eigen::Matrix2d root = shadow.matrixL();
+  constexpr int k_side = 60;
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (int i = 0; i < k_side * k_side; ++i) {
+    const Vec2 on_disc((i % k_side + 0.5) / k_side * 2 - 1, (i / k_side + 0.5) / k_side * 2 - 1);
+    if (on_disc.squaredNorm() >= 1) continue;
+    const Vec3 at = basis * (root * on_disc);
+    const double a = direction.dot(form * direction), b = direction.dot(form * at), c = at.dot(form * at) - 1;
+    sum += (form * (at + (-b - std::sqrt(std::max(b * b - a * c, 0.0))) / a * direction)).normalized();
+    ++count;
+  }
+  return sum / count;
+}
+
+// Checklist 25: nine places for the whole disc.
+TEST(VolumeMipmap, MeanNormalsAreThoseOfTheWholeOutline) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> axis(0.1, 1);
+  double sum = 0, worst = 0, firm_sum = 0;
+  constexpr int k_rounds = 1000;
+  for (int n = 0; n < k_rounds; ++n) {
+    Vec3 axes(axis(random), axis(random), axis(random));
+    axes /= axes.maxCoeff();
+    const Matrix3 inverse = ellipsoid(random_turn(random), axes);
+    const Vec3 direction = random_unit(random), mean = mean_normal_along(inverse, direction);
+    // That is what is added for ellipsoids that rounding made hollow.
+    const double error = (mean - exact_mean_normal(inverse + 0.01 * Matrix3::Identity(), direction)).norm();
+    sum += error;
+    worst = std::max(worst, error);
+    firm_sum += (mean - exact_mean_normal(inverse, direction)).norm();
+  }
+  // The specification has 0.0225 and 0.14; measured 0.018 and 0.123. What is added moves thin ones that are
+  // seen on edge: measured 0.027 with it.
+  EXPECT_LT(sum / k_rounds, 0.0225);
+  EXPECT_LT(worst, 0.14);
+  EXPECT_LT(firm_sum / k_rounds, 0.032);
 }
 
 TEST(VolumeMipmap, NormalMatricesStayEllipsoids) {
