@@ -168,8 +168,8 @@ void add_shell_command(CLI::App& app) {
   command
       ->add_option(
           "--step", shell.step,
-          "how long steps of directors are: at most 2.5 times this share of the thickness, turning by "
-          "twice as many radians (0.1)")
+          "the longest step of directors, as a share of the thickness, turning by at most 0.8 times as many "
+          "radians (0.25; 0.125 is precise)")
       ->check(CLI::Range(1e-3, 1.0));
   command
       ->add_option("--border-extension", shell.border_extension,

@@ -32,10 +32,10 @@ struct ShellOptions {
   DirectorMethod method = DirectorMethod::averaged_distance;
   /// Of averaged distances. `support` is set to twice the largest thickness.
   LpDistanceOptions field{};
-  /// How long the steps of directors are: at most 2.5 times this share of the thickness, turning by at most
-  /// twice as many radians, and off by about 4 times its third power of the thickness each. 0.1 is
-  /// interactive, 0.05 precise.
-  double step = 0.1;
+  /// The longest step of a director, as a share of the thickness, up to 1. It turns by at most 0.8 times as
+  /// many radians, and is off by about a quarter of its third power of the thickness. 0.25 is interactive,
+  /// 0.125 precise.
+  double step = 0.25;
   /// Past open borders the field sees the surface go on this far, in thicknesses, so that directors don't
   /// bend outwards.
   double border_extension = 2.5;

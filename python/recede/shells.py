@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
                 thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
-                power: float = 3, form: str = "calibrated", step: float = 0.1, border_extension: float = 2.5,
+                power: float = 3, form: str = "calibrated", step: float = 0.25, border_extension: float = 2.5,
                 repair: bool = True, progress: Progress | None = None) -> Shell:
     """A layer of space over a surface, proved to be valid, or what is wrong with it.
 
     `thickness` is in units of the mesh, `relative_thickness` a share of the diagonal, `thicknesses` one of each vertex.
     `side` is "exterior", "interior" or "envelope", which is both. `directors` lead along the gradient of an averaged
     distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
-    `power` and `form` are those of `averaged_distance`; `step` says how long steps of directors are, 2.5 times this share of
-    the thickness at most; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
+    `power` and `form` are those of `averaged_distance`; `step` is the longest step of a director, as a share of the
+    thickness; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
     `repair` directors are shortened until the layer is valid. See docs/shells.md.
 
     Raises `OptionError` for what is out of range, `InputError` for a mesh without area.

@@ -115,13 +115,24 @@ TEST(Shell, IsCompressedInAFold) {
     constexpr Index k_middle = 14 * 29 + 14;
     for (const LpForm form : {LpForm::calibrated, LpForm::averaged}) {
       ShellOptions options = unrepaired(0.3);
-      options.step = 0.05;
+      options.step = 0.125;
       options.field.form = form;
       const Shell shell = build_shell(surface, options);
       const double reached = (shell.exterior->tops[k_middle] - surface.positions[k_middle]).norm() / 0.3;
       EXPECT_NEAR(reached, form == LpForm::calibrated ? row.calibrated : row.averaged, 0.02)
           << row.degrees << " degrees";
     }
+  }
+}
+
+TEST(Shell, FollowsDirectorsInStepsOfAShareOfTheThickness) {
+  const PolygonSoup flat = sheet(4, 4, [](double u, double v) { return Vec3(u, v, 0); });
+  for (const auto& [step, n_steps] : {std::pair(1.0, 1u), std::pair(0.25, 4u), std::pair(0.1, 10u)}) {
+    // Of the exact distance, as paths in the averaged one are let go where nothing is near.
+    ShellOptions options = unrepaired(0.5, ShellSide::exterior, DirectorMethod::exact_distance);
+    options.step = step;
+    // One look where the path begins, and one for each step; the first one is taken in halves.
+    EXPECT_EQ(build_shell(flat, options).exterior->evaluations, flat.positions.size() * (n_steps + 2));
   }
 }
 
