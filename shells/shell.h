@@ -96,10 +96,11 @@ Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progr
 
 /// After the surface was deformed: `surface` has the shell's triangles with other positions of
 /// `changed_vertices`. Directors are traced anew only where the field reaches (3.5 thicknesses from old and
-/// new places of the faces around these vertices, 4 of `LpForm::averaged`, and their sides' lengths); then
-/// the layers are repaired. Options are those of the shell, whose thicknesses stay. Returns the number of
-/// vertices whose directors were traced. Throws `InputError` for other triangles or vertices that there
-/// aren't, `OptionError` for other sides than the shell's, and as `build_shell` does.
+/// new places of the faces around these vertices, 4 of `LpForm::averaged`, and their sides' lengths; also of
+/// what the field sees of them beyond open borders); then the layers are repaired. Options are those of the
+/// shell, whose thicknesses stay. Returns the number of vertices whose directors were traced. Throws
+/// `InputError` for other triangles or vertices that there aren't, `OptionError` for other sides than the
+/// shell's, and as `build_shell` does.
 std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
                          const ShellOptions& options, Progress* progress = nullptr);
 

@@ -312,6 +312,33 @@ TEST(Shell, ChangesNearADeformationOnly) {
   EXPECT_TRUE(updated.is_valid());
 }
 
+TEST(Shell, ChangesWhereABorderIsSeenToGoOn) {
+  // A wall beside the border of a floor: 0.9 apart, but the field sees the floor go on for 0.5.
+  PolygonSoup surface = sheet(16, 16, [](double u, double v) { return Vec3(u, v, 0); });
+  constexpr Index k_wall = 17 * 17, k_moved = 8 * 17 + 16;
+  const PolygonSoup wall = sheet(8, 8, [](double u, double v) { return Vec3(1.9, v, 0.6 * u - 0.3); });
+  surface.positions.insert(surface.positions.end(), wall.positions.begin(), wall.positions.end());
+  for (std::size_t f = 0; f < wall.n_faces(); ++f) {
+    const std::span<const Index> corners = wall.face(f);
+    surface.add_face(std::array<Index, 3>{k_wall + corners[0], k_wall + corners[1], k_wall + corners[2]});
+  }
+  ShellOptions options = repaired(0.2);
+  options.field.error = 1e-7;  // so that the field's tree, which is another one, shows in the seventh digit
+  const Shell before = build_shell(surface, options);
+  ASSERT_EQ(surface.positions[k_moved], Vec3(1, 0.5, 0));
+  surface.positions[k_moved] += Vec3(0, 0, 0.05);
+  Shell updated = before;
+  update_shell(updated, surface, std::array<Index, 1>{k_moved}, options);
+  const Shell anew = build_shell(surface, options);
+  double moved_by = 0;
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    EXPECT_LT((updated.exterior->tops[v] - anew.exterior->tops[v]).norm(), 1e-6 * 0.2);
+    if (v >= k_wall)
+      moved_by = std::max(moved_by, (anew.exterior->tops[v] - before.exterior->tops[v]).norm());
+  }
+  EXPECT_GT(moved_by, 1e-3 * 0.2);
+}
+
 TEST(Shell, IsTheSameWithOneThreadAtAnyScaleAndPlace) {
   const PolygonSoup surface = torus(1, 0.4, 24);
   const Shell shell = build_shell(surface, repaired(0.7));
