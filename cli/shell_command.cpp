@@ -2,11 +2,12 @@
 #include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
-#include <recede/shells/shell.h>
+#include <recede/shells/subdivided_shell.h>
 
 #include <fmt/format.h>
 
 #include <chrono>
+#include <numbers>
 
 namespace recede::cli {
 namespace {
@@ -16,6 +17,10 @@ struct ShellCommandOptions {
   std::string input, output;
   ShellOptions shell;
   std::optional<double> relative_thickness, relative_alpha;
+  std::optional<int> level;
+  std::optional<double> crease_angle;  // degrees
+  SubdivisionScheme scheme = SubdivisionScheme::catmull_clark;
+  int interpolated_levels = 0;
   bool no_repair = false;
 };
 
@@ -23,6 +28,7 @@ struct Built {
   RepairReport repairs;
   double diagonal = 0, seconds = 0;
   Shell shell;
+  std::size_t traced = 0;  // directors of a layer
 };
 
 std::size_t n_contacts(const ShellValidity& validity) {
@@ -69,6 +75,16 @@ void print_layer(const char* name, const Shell& shell, const std::optional<Shell
              layer->inverted_before, layer->contacts_before, layer->shortened, layer->repair_rounds);
 }
 
+SubdividedShellOptions over_control_mesh(const ShellCommandOptions& options) {
+  SubdividedShellOptions result;
+  result.subdivision.level = *options.level;
+  result.subdivision.scheme = options.scheme;
+  if (options.crease_angle) result.subdivision.crease_angle = *options.crease_angle * std::numbers::pi / 180;
+  result.interpolated_levels = options.interpolated_levels;
+  result.shell = options.shell;
+  return result;
+}
+
 Built build(ShellCommandOptions& options, Progress* progress) {
   Built built;
   Model model = read_model(options.input, progress);
@@ -83,7 +99,14 @@ Built build(ShellCommandOptions& options, Progress* progress) {
   if (options.relative_thickness) options.shell.thickness = *options.relative_thickness * built.diagonal;
   options.shell.repair = !options.no_repair;
   const auto start = std::chrono::steady_clock::now();
-  built.shell = build_shell(surface, options.shell, progress);
+  if (options.level) {
+    SubdividedShell over = build_subdivided_shell(surface, over_control_mesh(options), progress);
+    built.traced = over.traced;
+    built.shell = std::move(over.shell);
+  } else {
+    built.shell = build_shell(surface, options.shell, progress);
+    built.traced = built.shell.base.positions.size();
+  }
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return built;
 }
@@ -95,7 +118,9 @@ void print_document(const ShellCommandOptions& options, const Built& built) {
               {"output", options.output.empty() ? Json(nullptr) : Json(options.output)},
               {"thickness", options.shell.thickness},
               {"diagonal", built.diagonal},
+              {"subdivision_level", options.level ? Json(*options.level) : Json(nullptr)},
               {"triangles", built.shell.base.n_faces()},
+              {"traced", built.traced},
               {"is_valid", built.shell.is_valid()},
               {"base_contacts", of_base.bottom_contacts.size() + of_base.overlapping_neighbours.size()},
               {"layers_meet", built.shell.layers_meet.size()},
@@ -119,12 +144,52 @@ void run(ShellCommandOptions options) {
                  options.common);
   if (options.common.json) return print_document(options, built);
   fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));
+  if (options.level)
+    fmt::print("directors    {} traced of {} a layer, level {}\n", built.traced,
+               built.shell.base.positions.size(), *options.level);
   print_layer("exterior", built.shell, built.shell.exterior);
   print_layer("interior", built.shell, built.shell.interior);
   if (!built.shell.layers_meet.empty())
     fmt::print("the layers meet in {} pairs of triangles\n", built.shell.layers_meet.size());
   fmt::print("seconds      {:.3g}\n", built.seconds);
   if (!options.output.empty()) fmt::print("written      {}\n", options.output);
+}
+
+CLI::Option* add_wrap_option(CLI::App& command, ShellCommandOptions& options) {
+  return command
+      .add_option(
+          "--wrap", options.relative_alpha,
+          "first puts a closed surface around the model, which may be anything; goes into holes wider "
+          "than this share of the diagonal (0.02)")
+      ->expected(0, 1)
+      ->default_str("0.02")
+      ->check(CLI::Range(1e-4, 1.0));
+}
+
+void add_control_mesh_options(CLI::App& command, ShellCommandOptions& options, CLI::Option* wrap) {
+  const auto group = "Control meshes";
+  CLI::Option* level = command.add_option(
+      "--subdivide", options.level,
+      "the input is a control mesh: builds the shell of its limit surface, refined so many times, 0 to 10");
+  level->check(CLI::Range(0, SubdivisionOptions::k_largest_level))->excludes(wrap)->group(group);
+  command
+      .add_option(
+          "--interpolate-directors", options.interpolated_levels,
+          "traces directors at the points of so many levels below only (0); others stand between them")
+      ->check(CLI::Range(0, SubdivisionOptions::k_largest_level))
+      ->needs(level)
+      ->group(group);
+  command.add_option("--scheme", options.scheme, "catmull-clark (default) or loop, for triangles")
+      ->transform(one_of<SubdivisionScheme>(
+          {{"catmull-clark", SubdivisionScheme::catmull_clark}, {"loop", SubdivisionScheme::loop}}))
+      ->needs(level)
+      ->group(group);
+  command
+      .add_option("--crease-angle", options.crease_angle,
+                  "edges are creases whose faces meet at more, degrees")
+      ->check(CLI::Range(0.0, 180.0))
+      ->needs(level)
+      ->group(group);
 }
 
 }  // namespace
@@ -175,14 +240,7 @@ void add_shell_command(CLI::App& app) {
       ->add_option("--border-extension", shell.border_extension,
                    "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
       ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option(
-          "--wrap", options->relative_alpha,
-          "first puts a closed surface around the model, which may be anything; goes into holes wider "
-          "than this share of the diagonal (0.02)")
-      ->expected(0, 1)
-      ->default_str("0.02")
-      ->check(CLI::Range(1e-4, 1.0));
+  add_control_mesh_options(*command, *options, add_wrap_option(*command, *options));
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

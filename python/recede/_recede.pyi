@@ -474,6 +474,9 @@ class Shell:
     @property
     def interior(self) -> Optional[ShellLayer]: ...
     @property
+    def traced(self) -> int:
+        """Directors of a layer that follow the field"""
+    @property
     def boundary(self) -> Mesh:
         """All sides as one closed mesh"""
 
@@ -664,6 +667,7 @@ def write_billboards(
     folder: _Path, mesh: Mesh, clouds: Sequence[BillboardCloud], name: str, view: dict[str, Any], progress: _Progress
 ) -> Path: ...
 def build_shell(mesh: Mesh, settings: Mapping[str, Any], progress: _Progress) -> Shell: ...
+def build_subdivided_shell(control: Mesh, settings: Mapping[str, Any], progress: _Progress) -> Shell: ...
 def averaged_distance(
     mesh: Mesh, points: npt.ArrayLike, settings: Mapping[str, Any], progress: _Progress
 ) -> AveragedDistance: ...
