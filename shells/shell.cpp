@@ -2,6 +2,7 @@
 #include <recede/geometry/error.h>
 #include <recede/shells/detail/shell_building.h>
 #include <recede/shells/detail/shell_directors.h>
+#include <recede/shells/detail/shell_normals.h>
 #include <recede/shells/detail/shell_repair.h>
 
 #include <fmt/format.h>
@@ -193,6 +194,9 @@ void build_layers(Shell& shell, std::span<const Index> vertices, const LevelInte
     if (between != nullptr) interpolate_directors(shell, *between, layer);
     layer.evaluations = traced.evaluations;
     repair_layer(seen, side, options.repair, layer, progress);
+    layer.is_of_normals = options.repair && options.at_least_normals &&
+                          options.method != DirectorMethod::normals &&
+                          stand_on_normals(seen, shell.thicknesses, side, layer, progress);
   });
   find_layers_that_meet(shell, progress);
 }

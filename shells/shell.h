@@ -40,6 +40,10 @@ struct ShellOptions {
   /// bend outwards.
   double border_extension = 2.5;
   bool repair = true;  ///< shortens directors until the layer is valid
+  /// With `repair`: where plain normals of one share of the thicknesses are valid all over the surface and
+  /// more than a hundredth longer than the directors on average, they take their place. Whether that is so
+  /// can change with one vertex, and then all of the layer does; false for surfaces that are deformed.
+  bool at_least_normals = true;
 };
 
 /// One layer: from the surface to the ends of the directors.
@@ -61,6 +65,7 @@ struct ShellLayer {
   std::size_t shortened = 0;                             ///< directors that repair changed
   int repair_rounds = 0;
   std::size_t evaluations = 0;  ///< of the field
+  bool is_of_normals = false;   ///< these took the place of the directors, see `at_least_normals`
 };
 
 struct Shell {

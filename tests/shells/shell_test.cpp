@@ -174,6 +174,36 @@ TEST(Shell, IsValidAfterRepair) {
   }
 }
 
+TEST(Shell, IsAtLeastAsThickAsPlainNormalsThatAreValid) {
+  // All vertices are corners, where the field is slow. Their normals lead to the centre, sqrt(3) away.
+  for (const double thickness : {0.5, 1.5, 3.0}) {
+    ShellOptions options = repaired(thickness, ShellSide::interior);
+    const Shell thick = build_shell(cube(1), options);
+    options.at_least_normals = false;
+    const Shell thin = build_shell(cube(1), options);
+    EXPECT_TRUE(thick.is_valid());
+    EXPECT_TRUE(thick.interior->is_of_normals);
+    EXPECT_FALSE(thin.interior->is_of_normals);
+    ShellCheckOptions inward;
+    inward.is_inward = true;
+    EXPECT_TRUE(check_shell(thick.base.positions, thick.interior->tops, thick.base.corner_vertices, inward)
+                    .is_valid());
+    EXPECT_LT(thickness_of(thin).mean, 0.4);
+    // Found to a 64th of what is between the two.
+    const double most = std::min(1.0, std::sqrt(3.0) / thickness);
+    EXPECT_LE(thickness_of(thick).mean, most + 1e-12);
+    EXPECT_GT(thickness_of(thick).mean, most - 1.0 / 64);
+    EXPECT_EQ(thick.interior->traced, thin.interior->traced);
+  }
+}
+
+TEST(Shell, KeepsItsDirectorsWherePlainNormalsAreNoBetter) {
+  EXPECT_FALSE(build_shell(ball(8), repaired(0.5)).exterior->is_of_normals);
+  EXPECT_FALSE(build_shell(torus(1, 0.4, 32), repaired(0.7)).exterior->is_of_normals);
+  EXPECT_FALSE(build_shell(cube(8), repaired(0.5, ShellSide::interior)).interior->is_of_normals);
+  EXPECT_FALSE(build_shell(cube(1), unrepaired(0.5, ShellSide::interior)).interior->is_of_normals);
+}
+
 TEST(Shell, OfAPieceInTheLayerOfAnotherShortensNoThird) {
   // The small ball floats between the directors of the large one and their tops, and meets neither.
   PolygonSoup balls = ball(4);

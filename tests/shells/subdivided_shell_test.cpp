@@ -156,6 +156,7 @@ TEST(SubdividedShell, OfACubeWithCreasesIsValid) {
 TEST(SubdividedShell, OfTrianglesIsLinearBetween) {
   SubdividedShellOptions options = options_of(3, 2, 0.3);
   options.subdivision.scheme = SubdivisionScheme::loop;
+  options.shell.at_least_normals = false;
   const SubdividedShell built = build_subdivided_shell(control_icosahedron(), options);
   EXPECT_TRUE(built.shell.is_valid());
   EXPECT_EQ(built.traced, 42u) << "12 vertices and 30 edges";
