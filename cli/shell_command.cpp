@@ -5,12 +5,13 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/render/shell_level.h>
-#include <recede/shells/shell.h>
+#include <recede/shells/subdivided_shell.h>
 #include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
 
 #include <chrono>
+#include <numbers>
 
 namespace recede::cli {
 namespace {
@@ -22,6 +23,10 @@ struct ShellCommandOptions {
   ShellTextureOptions texture;
   ShellLevelOptions levels;
   std::optional<double> relative_thickness, relative_alpha;
+  std::optional<int> level;
+  std::optional<double> crease_angle;  // degrees
+  SubdivisionScheme scheme = SubdivisionScheme::catmull_clark;
+  int interpolated_levels = 0;
   bool no_repair = false;
 };
 
@@ -29,6 +34,7 @@ struct Built {
   RepairReport repairs;
   double diagonal = 0, seconds = 0;
   std::shared_ptr<const Shell> shell;
+  std::size_t traced = 0;  // directors of a layer
 };
 
 std::size_t n_contacts(const ShellValidity& validity) {
@@ -75,6 +81,16 @@ void print_layer(const char* name, const Shell& shell, const std::optional<Shell
              layer->inverted_before, layer->contacts_before, layer->shortened, layer->repair_rounds);
 }
 
+SubdividedShellOptions over_control_mesh(const ShellCommandOptions& options) {
+  SubdividedShellOptions result;
+  result.subdivision.level = *options.level;
+  result.subdivision.scheme = options.scheme;
+  if (options.crease_angle) result.subdivision.crease_angle = *options.crease_angle * std::numbers::pi / 180;
+  result.interpolated_levels = options.interpolated_levels;
+  result.shell = options.shell;
+  return result;
+}
+
 Built build(ShellCommandOptions& options, Progress* progress) {
   Built built;
   Model model = read_model(options.input, progress);
@@ -90,7 +106,14 @@ Built build(ShellCommandOptions& options, Progress* progress) {
   options.shell.repair = !options.no_repair;
   if (!options.texture.name.empty()) surface = with_coordinates(std::move(surface), progress);
   const auto start = std::chrono::steady_clock::now();
-  built.shell = std::make_shared<const Shell>(build_shell(surface, options.shell, progress));
+  if (options.level) {
+    SubdividedShell over = build_subdivided_shell(surface, over_control_mesh(options), progress);
+    built.traced = over.traced;
+    built.shell = std::make_shared<const Shell>(std::move(over.shell));
+  } else {
+    built.shell = std::make_shared<const Shell>(build_shell(surface, options.shell, progress));
+    built.traced = built.shell->base.positions.size();
+  }
   built.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return built;
 }
@@ -103,8 +126,10 @@ void print_document(const ShellCommandOptions& options, const Built& built) {
               {"folder", options.folder.empty() ? Json(nullptr) : Json(options.folder)},
               {"thickness", options.shell.thickness},
               {"diagonal", built.diagonal},
+              {"subdivision_level", options.level ? Json(*options.level) : Json(nullptr)},
               {"triangles", built.shell->base.n_faces()},
               {"texture", options.texture.name.empty() ? Json(nullptr) : Json(options.texture.name)},
+              {"traced", built.traced},
               {"is_valid", built.shell->is_valid()},
               {"base_contacts", of_base.bottom_contacts.size() + of_base.overlapping_neighbours.size()},
               {"layers_meet", built.shell->layers_meet.size()},
@@ -157,6 +182,9 @@ void run(ShellCommandOptions options) {
                  options.common);
   if (options.common.json) return print_document(options, built);
   fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));
+  if (options.level)
+    fmt::print("directors    {} traced of {} a layer, level {}\n", built.traced,
+               built.shell->base.positions.size(), *options.level);
   print_layer("exterior", *built.shell, built.shell->exterior);
   print_layer("interior", *built.shell, built.shell->interior);
   if (!built.shell->layers_meet.empty())
@@ -164,6 +192,43 @@ void run(ShellCommandOptions options) {
   fmt::print("seconds      {:.3g}\n", built.seconds);
   for (const std::string& written : {options.output, options.folder})
     if (!written.empty()) fmt::print("written      {}\n", written);
+}
+
+CLI::Option* add_wrap_option(CLI::App& command, ShellCommandOptions& options) {
+  return command
+      .add_option(
+          "--wrap", options.relative_alpha,
+          "first puts a closed surface around the model, which may be anything; goes into holes wider "
+          "than this share of the diagonal (0.02)")
+      ->expected(0, 1)
+      ->default_str("0.02")
+      ->check(CLI::Range(1e-4, 1.0));
+}
+
+void add_control_mesh_options(CLI::App& command, ShellCommandOptions& options, CLI::Option* wrap) {
+  const auto group = "Control meshes";
+  CLI::Option* level = command.add_option(
+      "--subdivide", options.level,
+      "the input is a control mesh: builds the shell of its limit surface, refined so many times, 0 to 10");
+  level->check(CLI::Range(0, SubdivisionOptions::k_largest_level))->excludes(wrap)->group(group);
+  command
+      .add_option(
+          "--interpolate-directors", options.interpolated_levels,
+          "traces directors at the points of so many levels below only (0); others stand between them")
+      ->check(CLI::Range(0, SubdivisionOptions::k_largest_level))
+      ->needs(level)
+      ->group(group);
+  command.add_option("--scheme", options.scheme, "catmull-clark (default) or loop, for triangles")
+      ->transform(one_of<SubdivisionScheme>(
+          {{"catmull-clark", SubdivisionScheme::catmull_clark}, {"loop", SubdivisionScheme::loop}}))
+      ->needs(level)
+      ->group(group);
+  command
+      .add_option("--crease-angle", options.crease_angle,
+                  "edges are creases whose faces meet at more, degrees")
+      ->check(CLI::Range(0.0, 180.0))
+      ->needs(level)
+      ->group(group);
 }
 
 }  // namespace
@@ -209,21 +274,14 @@ void add_shell_command(CLI::App& app) {
   command
       ->add_option(
           "--step", shell.step,
-          "how long steps of directors are: at most 2.5 times this share of the thickness, turning by "
-          "twice as many radians (0.1)")
+          "the longest step of directors, as a share of the thickness, turning by at most 0.8 times as many "
+          "radians (0.25; 0.125 is precise)")
       ->check(CLI::Range(1e-3, 1.0));
   command
       ->add_option("--border-extension", shell.border_extension,
                    "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
       ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option(
-          "--wrap", options->relative_alpha,
-          "first puts a closed surface around the model, which may be anything; goes into holes wider "
-          "than this share of the diagonal (0.02)")
-      ->expected(0, 1)
-      ->default_str("0.02")
-      ->check(CLI::Range(1e-4, 1.0));
+  add_control_mesh_options(*command, *options, add_wrap_option(*command, *options));
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
   add_shell_texture_options(*command, options->texture);
   command

@@ -203,6 +203,66 @@ void find_triangle_cells(std::vector<GridSample>& samples, int level, int sample
   });
 }
 
+void add_to(GridMean& mean, std::size_t point, double weight) {
+  if (!(weight > 0)) return;
+  mean.points.push_back(static_cast<Index>(point));
+  mean.weights.push_back(weight);
+}
+
+double share_of(std::size_t i, std::size_t n) { return static_cast<double>(i) / static_cast<double>(n); }
+
+// Between the corners of a face that isn't divided. `u` and `v` are 0 at `corner` and 1 at the sides'
+// middles.
+GridMean mean_of_corners(std::size_t sides, std::size_t corner, double u, double v) {
+  std::vector<double> weights(sides, u * v / static_cast<double>(sides));
+  weights[corner] += (1 - u) * (1 - v) + (u * (1 - v) + v * (1 - u)) / 2;
+  weights[(corner + 1) % sides] += u * (1 - v) / 2;
+  weights[(corner + sides - 1) % sides] += v * (1 - u) / 2;
+  GridMean mean;
+  for (std::size_t k = 0; k < sides; ++k) add_to(mean, k, weights[k]);
+  return mean;
+}
+
+void find_quad_means(std::vector<GridMean>& means, std::size_t sides, int level, int coarse_level) {
+  const QuadLattice fine(sides, level);
+  const std::size_t ratio = std::size_t{1} << (level - coarse_level);
+  fine.for_each([&](std::size_t number, std::size_t corner, std::size_t i, std::size_t j) {
+    if (coarse_level == 0) {
+      means[number] = mean_of_corners(sides, corner, share_of(i, fine.parts()), share_of(j, fine.parts()));
+      return;
+    }
+    // The quad's first point; of its last ones those are left out that lie beyond the square.
+    const std::size_t x = i / ratio * ratio, y = j / ratio * ratio;
+    const double u = share_of(i - x, ratio), v = share_of(j - y, ratio);
+    GridMean mean;
+    add_to(mean, fine.number(corner, x, y), (1 - u) * (1 - v));
+    if (u > 0) add_to(mean, fine.number(corner, x + ratio, y), u * (1 - v));
+    if (v > 0) add_to(mean, fine.number(corner, x, y + ratio), (1 - u) * v);
+    if (u > 0 && v > 0) add_to(mean, fine.number(corner, x + ratio, y + ratio), u * v);
+    means[number] = std::move(mean);
+  });
+}
+
+void find_triangle_means(std::vector<GridMean>& means, int level, int coarse_level) {
+  const TriangleLattice fine(level);
+  const std::size_t ratio = std::size_t{1} << (level - coarse_level);
+  fine.for_each([&](std::size_t number, std::size_t i, std::size_t j) {
+    const std::size_t x = i / ratio * ratio, y = j / ratio * ratio;
+    const double u = share_of(i - x, ratio), v = share_of(j - y, ratio);
+    GridMean mean;
+    if (u + v <= 1) {
+      add_to(mean, fine.number(x, y), 1 - u - v);
+      if (u > 0) add_to(mean, fine.number(x + ratio, y), u);
+      if (v > 0) add_to(mean, fine.number(x, y + ratio), v);
+    } else {
+      add_to(mean, fine.number(x + ratio, y + ratio), u + v - 1);
+      add_to(mean, fine.number(x, y + ratio), 1 - u);
+      add_to(mean, fine.number(x + ratio, y), 1 - v);
+    }
+    means[number] = std::move(mean);
+  });
+}
+
 }  // namespace
 
 Vec2 grid_coordinate(SubdivisionScheme scheme, std::size_t sides, std::size_t corner, double along_next,
@@ -242,6 +302,19 @@ std::vector<GridSample> make_grid_samples(SubdivisionScheme scheme, std::size_t 
   }
   std::erase_if(samples, [](const GridSample& sample) { return sample.cells[0] == k_no_index; });
   return samples;
+}
+
+std::vector<GridMean> make_grid_means(SubdivisionScheme scheme, std::size_t sides, int level,
+                                      int coarse_level) {
+  std::vector<GridMean> means(make_face_grid(scheme, sides, level).points.size());
+  if (scheme == SubdivisionScheme::loop) {
+    find_triangle_means(means, level, coarse_level);
+  } else if (level == 0) {
+    for (std::size_t k = 0; k < sides; ++k) add_to(means[k], k, 1);
+  } else {
+    find_quad_means(means, sides, level, coarse_level);
+  }
+  return means;
 }
 
 }  // namespace recede::detail

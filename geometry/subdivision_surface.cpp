@@ -1,4 +1,4 @@
-#include <recede/geometry/detail/face_grid.h>
+#include <recede/geometry/detail/grid_numbers.h>
 #include <recede/geometry/detail/limit_error.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/shading_normals.h>
@@ -10,7 +10,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <map>
 #include <numbers>
 
 namespace recede {
@@ -19,38 +18,13 @@ namespace {
 using detail::ControlMesh;
 using detail::FaceGrid;
 using detail::FaceLimit;
+using detail::GridNumbers;
 using detail::GridPlace;
 using detail::GridPoint;
 using detail::LimitSurface;
 
 constexpr std::size_t k_faces_of_a_task = 8;
 constexpr std::size_t k_blocks = 32;  // between two of them progress is reported
-
-/// Numbers for the points of all faces' grids. Those that faces share belong to the lowest corner that
-/// touches them, and are evaluated in its face only: the same bits on all sides.
-struct GridNumbers {
-  std::vector<Index> corner_points, corner_lines;  // C: what a corner and its side stand on
-  std::vector<bool> is_against;                    // C: the side runs against its line
-  std::vector<Index> point_owners, line_owners;    // corners
-  std::vector<std::size_t> first_inside;           // F + 1
-  std::size_t steps = 0;                           // points inside of a line
-
-  std::size_t first_on_lines() const { return point_owners.size(); }
-  std::size_t count() const { return first_inside.back(); }
-  std::size_t of(std::size_t face, Index first_corner, const GridPoint& point) const {
-    if (point.place == GridPlace::inside) return first_inside[face] + point.step;
-    const std::size_t corner = first_corner + point.element;
-    if (point.place == GridPlace::corner) return corner_points[corner];
-    const std::size_t step = is_against[corner] ? steps - point.step : point.step - 1;
-    return first_on_lines() + corner_lines[corner] * steps + step;
-  }
-  bool is_owner(Index first_corner, const GridPoint& point) const {
-    if (point.place == GridPlace::inside) return true;
-    const Index corner = first_corner + point.element;
-    return point.place == GridPlace::corner ? point_owners[corner_points[corner]] == corner
-                                            : line_owners[corner_lines[corner]] == corner;
-  }
-};
 
 /// The points and facets of one level.
 class Subdivider {
@@ -59,13 +33,10 @@ class Subdivider {
       : control_(control),
         options_(options),
         level_(level),
-        surface_(control, options, detail::limit_sample_level(options.scheme, level)) {
-    for (std::size_t f = 0; f < control.soup.n_faces(); ++f) {
-      const std::size_t sides = control.soup.face_size(f);
-      if (!grids_.contains(sides)) grids_[sides] = detail::make_face_grid(options.scheme, sides, level);
-    }
-    number_points();
-    number_uvs();
+        surface_(control, options, detail::limit_sample_level(options.scheme, level)),
+        grids_(detail::make_face_grids(control, options.scheme, level)),
+        points_(detail::number_positions(control, grids_, level)) {
+    if (!control.corner_uv_numbers.empty()) uvs_ = detail::number_uvs(control, grids_, level);
     find_sharp_points();
   }
 
@@ -103,53 +74,6 @@ class Subdivider {
 
  private:
   const FaceGrid& grid(std::size_t face) const { return grids_.at(control_.soup.face_size(face)); }
-
-  void number_insides(GridNumbers& numbers) const {
-    numbers.steps = detail::side_steps(level_);
-    numbers.first_inside.push_back(numbers.point_owners.size() + numbers.line_owners.size() * numbers.steps);
-    for (std::size_t f = 0; f < control_.soup.n_faces(); ++f)
-      numbers.first_inside.push_back(numbers.first_inside.back() + grid(f).n_inside);
-  }
-
-  static void claim(std::vector<Index>& owners, Index owned, Index corner) {
-    if (owned >= owners.size()) owners.resize(owned + 1, k_no_index);
-    owners[owned] = std::min(owners[owned], corner);
-  }
-
-  void number_points() {
-    const PolygonSoup& soup = control_.soup;
-    points_.corner_points = soup.corner_vertices;
-    points_.corner_lines = control_.edges.edge_of_corner;
-    for (Index c = 0; c < soup.n_corners(); ++c) {
-      points_.is_against.push_back(control_.from(c) > control_.to(c));
-      claim(points_.point_owners, points_.corner_points[c], c);
-      claim(points_.line_owners, points_.corner_lines[c], c);
-    }
-    number_insides(points_);
-  }
-
-  /// A seam has a line for each of its sides.
-  void number_uvs() {
-    if (control_.corner_uv_numbers.empty()) return;
-    const auto& numbers = control_.corner_uv_numbers;
-    uvs_.corner_points = numbers;
-    uvs_.is_against = points_.is_against;
-    uvs_.corner_lines.resize(numbers.size());
-    Index n_lines = 0;
-    for (std::size_t e = 0; e < control_.edges.n_edges(); ++e) {
-      const auto sides = control_.edges.sides(e);
-      uvs_.corner_lines[sides[0]] = n_lines++;
-      if (sides.size() < 2) continue;
-      const bool is_seam = numbers[sides[0]] != numbers[control_.after(sides[1])] ||
-                           numbers[control_.after(sides[0])] != numbers[sides[1]];
-      uvs_.corner_lines[sides[1]] = is_seam ? n_lines++ : n_lines - 1;
-    }
-    for (Index c = 0; c < numbers.size(); ++c) {
-      claim(uvs_.point_owners, uvs_.corner_points[c], c);
-      claim(uvs_.line_owners, uvs_.corner_lines[c], c);
-    }
-    number_insides(uvs_);
-  }
 
   /// Where the limit surface may have several normals: their mean is taken, side by side.
   void find_sharp_points() {
@@ -373,7 +297,7 @@ class Subdivider {
   const SubdivisionOptions& options_;
   int level_;
   LimitSurface surface_;
-  std::map<std::size_t, FaceGrid> grids_;  // by sides of a face
+  detail::FaceGrids grids_;
   GridNumbers points_, uvs_;
   std::vector<Index> sharp_edges_at_;  // V
   std::vector<Index> first_side_;      // C: place in side_normals_ of a crease's side, in lines

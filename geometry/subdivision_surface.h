@@ -120,4 +120,25 @@ struct SubdivisionResult {
 SubdivisionResult subdivide(const PolygonSoup& control, const SubdivisionOptions& options = {},
                             Progress* progress = nullptr);
 
+/// How the points of a level stand between those of a coarser one, which are some of them.
+struct LevelInterpolation {
+  std::vector<std::size_t> starts{0};  ///< N + 1: where the means of each point of the level begin
+  std::vector<Index> points{};         ///< of the level, all of them points of the coarser one, too
+  std::vector<double> weights{};       ///< above 0, of each point adding up to 1
+
+  std::size_t n_points() const { return starts.size() - 1; }
+  /// A point of the coarser level: the mean of itself.
+  bool is_coarse(std::size_t point) const { return starts[point + 1] - starts[point] == 1; }
+};
+
+/// Bilinear between the corners of the coarser level's quads, linear in its triangles: for the points of
+/// `subdivide` at `options.level`, in its order. What belongs to an edge depends on its ends alone. Weights
+/// are dyadic and so exact, but for faces of other than 3 or 4 sides at `coarse_level` 0, which have the mean
+/// of their corners in the middle.
+///
+/// Throws as `subdivide`, and `OptionError` for a coarse level that isn't from 0 to `options.level`.
+/// `options.tolerance` counts for nothing.
+LevelInterpolation interpolate_level(const PolygonSoup& control, const SubdivisionOptions& options,
+                                     int coarse_level);
+
 }  // namespace recede

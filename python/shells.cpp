@@ -4,6 +4,7 @@
 #include "calls.h"
 #include "numpy_arrays.h"
 #include "options.h"
+#include <recede/shells/subdivided_shell.h>
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -36,7 +37,7 @@ LpDistanceOptions read_field(const py::dict& from) {
   return options;
 }
 
-BuiltShell make_shell(const Mesh& mesh, const py::dict& from, py::object progress) {
+ShellOptions read_shell(const py::dict& from) {
   ShellOptions options;
   read(from, "thickness", options.thickness);
   read(from, "thicknesses", options.thicknesses);
@@ -55,9 +56,33 @@ BuiltShell make_shell(const Mesh& mesh, const py::dict& from, py::object progres
   read(from, "step", options.step);
   read(from, "border_extension", options.border_extension);
   read(from, "repair", options.repair);
+  return options;
+}
+
+BuiltShell make_shell(const Mesh& mesh, const py::dict& from, py::object progress) {
+  const ShellOptions options = read_shell(from);
   const std::shared_ptr<const PolygonSoup> soup = mesh.soup;
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
-    return BuiltShell{std::make_shared<const Shell>(build_shell(*soup, options, p))};
+    auto shell = std::make_shared<const Shell>(build_shell(*soup, options, p));
+    const std::size_t traced = shell->base.positions.size();
+    return BuiltShell{std::move(shell), traced};
+  });
+}
+
+BuiltShell make_subdivided_shell(const Mesh& control, const py::dict& from, py::object progress) {
+  SubdividedShellOptions options;
+  options.shell = read_shell(from);
+  read(from, "level", options.subdivision.level);
+  read_choice<SubdivisionScheme>(
+      from, "scheme",
+      {{"catmull-clark", SubdivisionScheme::catmull_clark}, {"loop", SubdivisionScheme::loop}},
+      options.subdivision.scheme);
+  read(from, "crease_angle", options.subdivision.crease_angle);
+  read(from, "interpolated_levels", options.interpolated_levels);
+  const std::shared_ptr<const PolygonSoup> soup = control.soup;
+  return PythonProgress(std::move(progress)).run([&](Progress* p) {
+    SubdividedShell built = build_subdivided_shell(*soup, options, p);
+    return BuiltShell{std::make_shared<const Shell>(std::move(built.shell)), built.traced};
   });
 }
 
@@ -124,9 +149,11 @@ void bind_shells(py::module_& m) {
       .def_property_readonly("base", [](const BuiltShell& s) { return make_mesh(s.shell->base); })
       .def_property_readonly("exterior", [](const BuiltShell& s) { return layer_of(s, s.shell->exterior); })
       .def_property_readonly("interior", [](const BuiltShell& s) { return layer_of(s, s.shell->interior); })
+      .def_property_readonly("traced", [](const BuiltShell& s) { return s.traced; })
       .def_property_readonly("boundary",
                              [](const BuiltShell& s) { return make_mesh(shell_boundary(*s.shell)); });
   m.def("build_shell", &make_shell);
+  m.def("build_subdivided_shell", &make_subdivided_shell);
   m.def("averaged_distance", &evaluate);
 }
 

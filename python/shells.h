@@ -9,6 +9,7 @@ namespace recede::python {
 /// Shared, so that arrays outlive the lock.
 struct BuiltShell {
   std::shared_ptr<const Shell> shell;
+  std::size_t traced = 0;  ///< directors of a layer
 };
 
 /// The smaller versions of its texture are made when it is drawn first.

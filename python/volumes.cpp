@@ -193,16 +193,18 @@ void bind_volumes(py::module_& m) {
       .def_property_readonly("is_periodic", [](const VolumeTexture& t) { return t.is_periodic; })
       .def_property_readonly("ramp", [](const VolumeTexture& t) { return t.ramp; });
   py::class_<FilledShell>(m, "TexturedShell")
-      .def_property_readonly("shell", [](const FilledShell& f) { return BuiltShell{f.textured.shell}; })
+      .def_property_readonly("shell",
+                             [](const FilledShell& f) {
+                               return BuiltShell{f.textured.shell, f.textured.shell->base.positions.size()};
+                             })
       .def_property_readonly("side",
                              [](const FilledShell& f) {
                                return f.textured.side == ShellSide::interior ? "interior" : "exterior";
                              })
-      .def_property_readonly(
-          "volume",
-          [](const FilledShell& f) {
-            return std::make_shared<VolumeTexture>(f.textured.texture->surfaces.front());
-          })
+      .def_property_readonly("volume",
+                             [](const FilledShell& f) {
+                               return std::make_shared<VolumeTexture>(f.textured.texture->surfaces.front());
+                             })
       .def_property_readonly("repeat", [](const FilledShell& f) { return f.textured.coordinates.repeat; })
       .def_property_readonly("offset", [](const FilledShell& f) { return f.textured.coordinates.offset; })
       .def("write", [](const FilledShell& f, const std::filesystem::path& path) {

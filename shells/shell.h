@@ -32,14 +32,18 @@ struct ShellOptions {
   DirectorMethod method = DirectorMethod::averaged_distance;
   /// Of averaged distances. `support` is set to twice the largest thickness.
   LpDistanceOptions field{};
-  /// How long the steps of directors are: at most 2.5 times this share of the thickness, turning by at most
-  /// twice as many radians, and off by about 4 times its third power of the thickness each. 0.1 is
-  /// interactive, 0.05 precise.
-  double step = 0.1;
+  /// The longest step of a director, as a share of the thickness, up to 1. It turns by at most 0.8 times as
+  /// many radians, and is off by about a quarter of its third power of the thickness. 0.25 is interactive,
+  /// 0.125 precise.
+  double step = 0.25;
   /// Past open borders the field sees the surface go on this far, in thicknesses, so that directors don't
   /// bend outwards.
   double border_extension = 2.5;
   bool repair = true;  ///< shortens directors until the layer is valid
+  /// With `repair`: where plain normals of one share of the thicknesses are valid all over the surface and
+  /// more than a hundredth longer than the directors on average, they take their place. Whether that is so
+  /// can change with one vertex, and then all of the layer does; false for surfaces that are deformed.
+  bool at_least_normals = true;
 };
 
 /// One layer: from the surface to the ends of the directors.
@@ -61,6 +65,7 @@ struct ShellLayer {
   std::size_t shortened = 0;                             ///< directors that repair changed
   int repair_rounds = 0;
   std::size_t evaluations = 0;  ///< of the field
+  bool is_of_normals = false;   ///< these took the place of the directors, see `at_least_normals`
 };
 
 struct Shell {
@@ -96,10 +101,11 @@ Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progr
 
 /// After the surface was deformed: `surface` has the shell's triangles with other positions of
 /// `changed_vertices`. Directors are traced anew only where the field reaches (3.5 thicknesses from old and
-/// new places of the faces around these vertices, 4 of `LpForm::averaged`, and their sides' lengths); then
-/// the layers are repaired. Options are those of the shell, whose thicknesses stay. Returns the number of
-/// vertices whose directors were traced. Throws `InputError` for other triangles or vertices that there
-/// aren't, `OptionError` for other sides than the shell's, and as `build_shell` does.
+/// new places of the faces around these vertices, 4 of `LpForm::averaged`, and their sides' lengths; also of
+/// what the field sees of them beyond open borders); then the layers are repaired. Options are those of the
+/// shell, whose thicknesses stay. Returns the number of vertices whose directors were traced. Throws
+/// `InputError` for other triangles or vertices that there aren't, `OptionError` for other sides than the
+/// shell's, and as `build_shell` does.
 std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
                          const ShellOptions& options, Progress* progress = nullptr);
 

@@ -23,13 +23,12 @@ constexpr std::size_t k_neighbours = 64;         // followed together
 constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
 
 // Of `ShellOptions::step`.
-constexpr double k_longest_step = 2.5;    // of the thickness
-constexpr double k_largest_turn = 2;      // radians
+constexpr double k_largest_turn = 0.8;    // radians
 constexpr double k_shortest_step = 1e-5;  // of the thickness, for the longest of a path
 constexpr double k_free = 0.97;
-// Of its third power: of the thickness, what a step may be off. Twelve times less is what doubled steps of
-// the second order still keep, and half of that again to spare.
-constexpr double k_largest_error = 4, k_even = 1.0 / 12;
+// Of its third power: of the thickness, what a step may be off, 0.004 of it for steps of a quarter. Twelve
+// times less is what doubled steps of the second order still keep, and half of that again to spare.
+constexpr double k_largest_error = 0.256, k_even = 1.0 / 12;
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -98,7 +97,7 @@ class DirectorPath {
         thickness_(thickness),
         step_(step),
         is_smooth_(is_smooth) {
-    const double n = std::ceil((1 - k_first_step) / std::max(k_longest_step * step, k_shortest_step));
+    const double n = std::ceil((1 - k_first_step) / std::max(step, k_shortest_step));
     longest_ = (1 - k_first_step) / n * thickness;
     n_ticks_ = static_cast<int>(n) * k_longest;
   }

@@ -44,6 +44,16 @@ struct GridSample {
 std::vector<GridSample> make_grid_samples(SubdivisionScheme scheme, std::size_t sides, int level,
                                           int sample_level);
 
+/// A point of a grid as a mean of points of a coarser one, which are some of its own.
+struct GridMean {
+  std::vector<Index> points;    ///< places in the finer grid's points, those of positive weight
+  std::vector<double> weights;  ///< add up to 1
+};
+/// Of each point of the grid of `level`: bilinear in the quads of `coarse_level`, linear in triangles. A face
+/// that isn't divided has the means of its sides and its corners in their middles.
+std::vector<GridMean> make_grid_means(SubdivisionScheme scheme, std::size_t sides, int level,
+                                      int coarse_level);
+
 /// Catmull-Clark: the point of the corner's square that is so far along both sides from the corner, 1 being
 /// their middles. Loop: 1 is all the way.
 Vec2 grid_coordinate(SubdivisionScheme scheme, std::size_t sides, std::size_t corner, double along_next,

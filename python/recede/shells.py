@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,16 +18,22 @@ if TYPE_CHECKING:
 
 def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
                 thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
-                power: float = 3, form: str = "calibrated", step: float = 0.1, border_extension: float = 2.5,
-                repair: bool = True, progress: Progress | None = None) -> Shell:
+                power: float = 3, form: str = "calibrated", step: float = 0.25, border_extension: float = 2.5,
+                repair: bool = True, subdivide: int | None = None, scheme: str = "catmull-clark",
+                crease_angle: float | None = None, interpolate_directors: int = 0,
+                progress: Progress | None = None) -> Shell:
     """A layer of space over a surface, proved to be valid, or what is wrong with it.
 
     `thickness` is in units of the mesh, `relative_thickness` a share of the diagonal, `thicknesses` one of each vertex.
     `side` is "exterior", "interior" or "envelope", which is both. `directors` lead along the gradient of an averaged
     distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
-    `power` and `form` are those of `averaged_distance`; `step` says how long steps of directors are, 2.5 times this share of
-    the thickness at most; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
+    `power` and `form` are those of `averaged_distance`; `step` is the longest step of a director, as a share of the
+    thickness; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
     `repair` directors are shortened until the layer is valid. See docs/shells.md.
+
+    With `subdivide` the mesh is a control mesh, and the shell that of its limit surface, refined so many times; `scheme` and
+    `crease_angle` are those of `recede.subdivide`. Directors are then traced at the points of `interpolate_directors` levels
+    below, and the others stand between them. `relative_thickness` is a share of the control mesh's diagonal.
 
     Raises `OptionError` for what is out of range, `InputError` for a mesh without area.
     """
@@ -39,7 +46,13 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
     settings = {"thickness": thickness or 0.0, "thicknesses": [] if thicknesses is None else [float(t) for t in thicknesses],
                 "side": side, "directors": directors, "power": power, "form": form, "step": step,
                 "border_extension": border_extension, "repair": repair}
-    return _recede.build_shell(mesh, settings, progress)
+    if subdivide is None:
+        if scheme != "catmull-clark" or crease_angle is not None or interpolate_directors != 0:
+            raise OptionError("scheme, crease_angle and interpolate_directors need subdivide")
+        return _recede.build_shell(mesh, settings, progress)
+    settings |= {"level": subdivide, "scheme": scheme, "interpolated_levels": interpolate_directors,
+                 "crease_angle": None if crease_angle is None else crease_angle * pi / 180}
+    return _recede.build_subdivided_shell(mesh, settings, progress)
 
 
 def averaged_distance(mesh: Mesh, points: npt.ArrayLike, *, p: float = 3, form: str = "calibrated",

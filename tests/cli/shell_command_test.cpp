@@ -64,6 +64,38 @@ TEST(ShellCommand, WrapsWhatMeetsItself) {
               HasSubstr("--wrap"));
 }
 
+TEST(ShellCommand, BuildsTheShellOfALimitSurface) {
+  const TempFolder folder;
+  folder.write("cube.obj",
+               "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  const std::vector<std::string> arguments{
+      "shell", folder / "cube.obj", "--thickness", "0.2", "--json", "--subdivide", "3"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), arguments.begin(), arguments.end());
+    return more;
+  };
+  const nlohmann::json all = json_of(run_recede(arguments));
+  EXPECT_TRUE(all["is_valid"]);
+  EXPECT_EQ(all["triangles"], 2 * 6 * 64);
+  EXPECT_EQ(all["subdivision_level"], 3);
+  EXPECT_EQ(all["traced"], 6 * 64 + 2);
+  const nlohmann::json few = json_of(run_recede(with({"--interpolate-directors", "1"})));
+  EXPECT_TRUE(few["is_valid"]);
+  EXPECT_EQ(few["traced"], 6 * 16 + 2);
+  EXPECT_LT(few["exterior"]["evaluations"], all["exterior"]["evaluations"]);
+  // With creases at all edges it stays a cube from -1 to 1.
+  const std::string out = folder / "creased.ply";
+  EXPECT_TRUE(json_of(run_recede(with({"--crease-angle", "30", "-o", out})))["is_valid"]);
+  EXPECT_NEAR(bounding_box(read_soup(out)).sizes().maxCoeff(), 2.4, 0.001);
+  EXPECT_THAT(run_recede({"shell", folder / "cube.obj", "--thickness", "0.2", "--subdivide", "2"}).output,
+              HasSubstr("98 traced of 98"));
+  EXPECT_THAT(complaint_of(run_recede(with({"--interpolate-directors", "4"})), 2),
+              HasSubstr("0 to 3 levels"));
+  EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--scheme", "loop"}), 2),
+              HasSubstr("--subdivide"));
+}
+
 TEST(ShellCommand, SaysWhatCantBe) {
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere"}), 2), HasSubstr("--thickness"));
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "-1"}), 2),

@@ -477,6 +477,23 @@ def test_a_shell_is_valid_and_says_how_thick_it_is():
         recede.build_shell(sphere, 0.1, side="left")
 
 
+def test_a_shell_of_a_limit_surface_puts_directors_between_others():
+    sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
+    cube = recede.Mesh([[k % 2, k // 2 % 2, k // 4] for k in range(8)], sides)
+    everywhere = recede.build_shell(cube, 0.1, subdivide=3)
+    assert everywhere.is_valid and everywhere.traced == 6 * 64 + 2 and everywhere.base.n_faces == 2 * 6 * 64
+    surface = recede.subdivide(cube, level=3).mesh
+    assert (everywhere.exterior.tops == recede.build_shell(surface, 0.1).exterior.tops).all()
+    few = recede.build_shell(cube, 0.1, subdivide=3, interpolate_directors=2, side="interior")
+    assert few.is_valid and few.traced == 26
+    creased = recede.build_shell(cube, 0.1, subdivide=3, crease_angle=30)
+    assert np.abs(creased.base.positions).max() == pytest.approx(1)
+    with pytest.raises(recede.OptionError, match="levels"):
+        recede.build_shell(cube, 0.1, subdivide=1, interpolate_directors=2)
+    with pytest.raises(recede.OptionError, match="subdivide"):
+        recede.build_shell(cube, 0.1, interpolate_directors=1)
+
+
 def test_averaged_distance_of_a_plane_is_the_distance():
     corners = [[-100, -100, 0], [100, -100, 0], [100, 100, 0], [-100, 100, 0]]
     plane = recede.Mesh(corners, [[0, 1, 2, 3]])

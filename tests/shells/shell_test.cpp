@@ -115,13 +115,24 @@ TEST(Shell, IsCompressedInAFold) {
     constexpr Index k_middle = 14 * 29 + 14;
     for (const LpForm form : {LpForm::calibrated, LpForm::averaged}) {
       ShellOptions options = unrepaired(0.3);
-      options.step = 0.05;
+      options.step = 0.125;
       options.field.form = form;
       const Shell shell = build_shell(surface, options);
       const double reached = (shell.exterior->tops[k_middle] - surface.positions[k_middle]).norm() / 0.3;
       EXPECT_NEAR(reached, form == LpForm::calibrated ? row.calibrated : row.averaged, 0.02)
           << row.degrees << " degrees";
     }
+  }
+}
+
+TEST(Shell, FollowsDirectorsInStepsOfAShareOfTheThickness) {
+  const PolygonSoup flat = sheet(4, 4, [](double u, double v) { return Vec3(u, v, 0); });
+  for (const auto& [step, n_steps] : {std::pair(1.0, 1u), std::pair(0.25, 4u), std::pair(0.1, 10u)}) {
+    // Of the exact distance, as paths in the averaged one are let go where nothing is near.
+    ShellOptions options = unrepaired(0.5, ShellSide::exterior, DirectorMethod::exact_distance);
+    options.step = step;
+    // One look where the path begins, and one for each step; the first one is taken in halves.
+    EXPECT_EQ(build_shell(flat, options).exterior->evaluations, flat.positions.size() * (n_steps + 2));
   }
 }
 
@@ -161,6 +172,36 @@ TEST(Shell, IsValidAfterRepair) {
     EXPECT_LT(thickness_of(after).mean, thickness_of(before).mean);
     EXPECT_GT(thickness_of(after).least, 0);
   }
+}
+
+TEST(Shell, IsAtLeastAsThickAsPlainNormalsThatAreValid) {
+  // All vertices are corners, where the field is slow. Their normals lead to the centre, sqrt(3) away.
+  for (const double thickness : {0.5, 1.5, 3.0}) {
+    ShellOptions options = repaired(thickness, ShellSide::interior);
+    const Shell thick = build_shell(cube(1), options);
+    options.at_least_normals = false;
+    const Shell thin = build_shell(cube(1), options);
+    EXPECT_TRUE(thick.is_valid());
+    EXPECT_TRUE(thick.interior->is_of_normals);
+    EXPECT_FALSE(thin.interior->is_of_normals);
+    ShellCheckOptions inward;
+    inward.is_inward = true;
+    EXPECT_TRUE(check_shell(thick.base.positions, thick.interior->tops, thick.base.corner_vertices, inward)
+                    .is_valid());
+    EXPECT_LT(thickness_of(thin).mean, 0.4);
+    // Found to a 64th of what is between the two.
+    const double most = std::min(1.0, std::sqrt(3.0) / thickness);
+    EXPECT_LE(thickness_of(thick).mean, most + 1e-12);
+    EXPECT_GT(thickness_of(thick).mean, most - 1.0 / 64);
+    EXPECT_EQ(thick.interior->traced, thin.interior->traced);
+  }
+}
+
+TEST(Shell, KeepsItsDirectorsWherePlainNormalsAreNoBetter) {
+  EXPECT_FALSE(build_shell(ball(8), repaired(0.5)).exterior->is_of_normals);
+  EXPECT_FALSE(build_shell(torus(1, 0.4, 32), repaired(0.7)).exterior->is_of_normals);
+  EXPECT_FALSE(build_shell(cube(8), repaired(0.5, ShellSide::interior)).interior->is_of_normals);
+  EXPECT_FALSE(build_shell(cube(1), unrepaired(0.5, ShellSide::interior)).interior->is_of_normals);
 }
 
 TEST(Shell, OfAPieceInTheLayerOfAnotherShortensNoThird) {
@@ -299,6 +340,33 @@ TEST(Shell, ChangesNearADeformationOnly) {
   }
   EXPECT_GT(n_different, 0u);
   EXPECT_TRUE(updated.is_valid());
+}
+
+TEST(Shell, ChangesWhereABorderIsSeenToGoOn) {
+  // A wall beside the border of a floor: 0.9 apart, but the field sees the floor go on for 0.5.
+  PolygonSoup surface = sheet(16, 16, [](double u, double v) { return Vec3(u, v, 0); });
+  constexpr Index k_wall = 17 * 17, k_moved = 8 * 17 + 16;
+  const PolygonSoup wall = sheet(8, 8, [](double u, double v) { return Vec3(1.9, v, 0.6 * u - 0.3); });
+  surface.positions.insert(surface.positions.end(), wall.positions.begin(), wall.positions.end());
+  for (std::size_t f = 0; f < wall.n_faces(); ++f) {
+    const std::span<const Index> corners = wall.face(f);
+    surface.add_face(std::array<Index, 3>{k_wall + corners[0], k_wall + corners[1], k_wall + corners[2]});
+  }
+  ShellOptions options = repaired(0.2);
+  options.field.error = 1e-7;  // so that the field's tree, which is another one, shows in the seventh digit
+  const Shell before = build_shell(surface, options);
+  ASSERT_EQ(surface.positions[k_moved], Vec3(1, 0.5, 0));
+  surface.positions[k_moved] += Vec3(0, 0, 0.05);
+  Shell updated = before;
+  update_shell(updated, surface, std::array<Index, 1>{k_moved}, options);
+  const Shell anew = build_shell(surface, options);
+  double moved_by = 0;
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    EXPECT_LT((updated.exterior->tops[v] - anew.exterior->tops[v]).norm(), 1e-6 * 0.2);
+    if (v >= k_wall)
+      moved_by = std::max(moved_by, (anew.exterior->tops[v] - before.exterior->tops[v]).norm());
+  }
+  EXPECT_GT(moved_by, 1e-3 * 0.2);
 }
 
 TEST(Shell, IsTheSameWithOneThreadAtAnyScaleAndPlace) {
