@@ -54,7 +54,7 @@ struct CombineOptions {
   double ramp_texels = 2;
   /// sRGB-encoded, 0 to 1: what `unite` adds. Matter without colours so far gets `other_color` then.
   std::optional<Vec3> color{};
-  Vec3 other_color{0.7, 0.7, 0.7};
+  Vec3 other_color{0.85, 0.85, 0.85};  ///< by default as pictures draw what has no colours
 };
 
 struct EditReport {

@@ -83,8 +83,8 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
   for (const char* command :
-       {"atlas", "bake", "billboards", "simplify", "compare", "diff", "info", "progressive", "extract",
-        "render", "turntable", "dice", "subdivide", "seams", "shell", "walk"}) {
+       {"atlas", "bake", "billboards", "carve", "simplify", "compare", "diff", "info", "progressive",
+        "extract", "render", "turntable", "dice", "subdivide", "seams", "shell", "walk"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
   EXPECT_EQ(matches(read_whole_file(k_source / "docs/command-line.md"), k_option), options);
@@ -118,6 +118,11 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"billboards", sphere, "--folder", out + "_clouds", "--relative-errors", "0.05", "--json"},
            {"shell", sphere, "-o", out + ".obj", "--relative-thickness", "0.05", "--side", "envelope",
             "--json"},
+           {"shell", sphere, "-o", out + ".shell", "--relative-thickness", "0.05", "--texture", "solid",
+            "--texels", "64", "--json"},
+           {"carve", out + ".shell", "-o", out + "_ball.shell", "--ball", "0", "0", "1", "0.3", "--json"},
+           {"carve", out + ".shell", "-o", out + "_copy.shell", "--move", "0", "0", "1", "--to", "0", "1",
+            "0", "--radius", "0.3", "--copy", "--json"},
            {"subdivide", sphere, "-o", out + ".obj", "--level", "0", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},
