@@ -54,6 +54,7 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
           {"inverted_before", layer->inverted_before},
           {"contacts_before", layer->contacts_before},
           {"shortened", layer->shortened},
+          {"is_of_normals", layer->is_of_normals},
           {"repair_rounds", layer->repair_rounds},
           {"evaluations", layer->evaluations},
           {"thickness", {{"min", reached.least}, {"mean", reached.mean}, {"max", reached.most}}}};
@@ -79,6 +80,7 @@ void print_layer(const char* name, const Shell& shell, const std::optional<Shell
              100 * reached.mean, 100 * reached.least);
   fmt::print("  before     {} prisms inverted, {} contacts; {} directors shortened in {} rounds\n",
              layer->inverted_before, layer->contacts_before, layer->shortened, layer->repair_rounds);
+  if (layer->is_of_normals) fmt::print("  plain normals, which are longer on average and valid\n");
 }
 
 SubdividedShellOptions over_control_mesh(const ShellCommandOptions& options) {
@@ -282,6 +284,8 @@ void add_shell_command(CLI::App& app) {
                    "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
       ->check(CLI::NonNegativeNumber);
   add_control_mesh_options(*command, *options, add_wrap_option(*command, *options));
+  command->add_flag("!--keep-directors", shell.at_least_normals,
+                    "keeps directors that got shorter than plain normals could be all over the surface");
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
   add_shell_texture_options(*command, options->texture);
   command

@@ -56,6 +56,7 @@ ShellOptions read_shell(const py::dict& from) {
   read(from, "step", options.step);
   read(from, "border_extension", options.border_extension);
   read(from, "repair", options.repair);
+  read(from, "at_least_normals", options.at_least_normals);
   return options;
 }
 
@@ -140,6 +141,7 @@ void bind_shells(py::module_& m) {
       .def_property_readonly("inverted_before", [](const BuiltLayer& l) { return l.layer->inverted_before; })
       .def_property_readonly("contacts_before", [](const BuiltLayer& l) { return l.layer->contacts_before; })
       .def_property_readonly("shortened", [](const BuiltLayer& l) { return l.layer->shortened; })
+      .def_property_readonly("is_of_normals", [](const BuiltLayer& l) { return l.layer->is_of_normals; })
       .def_property_readonly("thickness", [](const BuiltLayer& l) {
         const ShellThickness reached = reached_thickness(*l.shell, *l.layer);
         return py::make_tuple(reached.least, reached.mean, reached.most);

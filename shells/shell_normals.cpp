@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 namespace recede::detail {
 
 namespace {
 
 constexpr double k_gain = 1.01;
-constexpr int k_halvings = 6;  // of what is between the gain and the whole thickness
+constexpr double k_exact = 1.005;  // how nearly the longest share is found
 
 double mean_share(const ShellSurface& surface, std::span<const double> thicknesses,
                   std::span<const Vec3> tops) {
@@ -69,8 +70,8 @@ bool stand_on_normals(const ShellSurface& surface, std::span<const double> thick
   if (!succeeds(least)) return false;
   if (!succeeds(1)) {
     double low = least, high = 1;
-    for (int i = 0; i < k_halvings; ++i) {
-      const double middle = (low + high) / 2;
+    while (high > k_exact * low) {
+      const double middle = std::sqrt(low * high);
       (succeeds(middle) ? low : high) = middle;
     }
   }

@@ -459,6 +459,9 @@ class ShellLayer:
     def shortened(self) -> int:
         """Directors that repair changed"""
     @property
+    def is_of_normals(self) -> bool:
+        """Plain normals took the place of directors that got shorter"""
+    @property
     def thickness(self) -> tuple[float, float, float]:
         """Least, mean and most, as shares of what was asked for"""
 

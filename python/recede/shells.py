@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
                 thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
                 power: float = 3, form: str = "calibrated", step: float = 0.25, border_extension: float = 2.5,
-                repair: bool = True, subdivide: int | None = None, scheme: str = "catmull-clark",
+                repair: bool = True, at_least_normals: bool = True, subdivide: int | None = None, scheme: str = "catmull-clark",
                 crease_angle: float | None = None, interpolate_directors: int = 0,
                 progress: Progress | None = None) -> Shell:
     """A layer of space over a surface, proved to be valid, or what is wrong with it.
@@ -29,7 +29,8 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
     distance ("averaged", which gets shorter where there is less room), of the exact one ("exact") or along "normals".
     `power` and `form` are those of `averaged_distance`; `step` is the longest step of a director, as a share of the
     thickness; `border_extension` says how far, in thicknesses, the field sees the surface go on at open borders. With
-    `repair` directors are shortened until the layer is valid. See docs/shells.md.
+    `repair` directors are shortened until the layer is valid, and with `at_least_normals` plain normals take their place where
+    those are longer on average and valid all over the surface. See docs/shells.md.
 
     With `subdivide` the mesh is a control mesh, and the shell that of its limit surface, refined so many times; `scheme` and
     `crease_angle` are those of `recede.subdivide`. Directors are then traced at the points of `interpolate_directors` levels
@@ -45,7 +46,8 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
         thickness = relative_thickness * float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
     settings = {"thickness": thickness or 0.0, "thicknesses": [] if thicknesses is None else [float(t) for t in thicknesses],
                 "side": side, "directors": directors, "power": power, "form": form, "step": step,
-                "border_extension": border_extension, "repair": repair}
+                "border_extension": border_extension, "repair": repair,
+                "at_least_normals": at_least_normals}
     if subdivide is None:
         if scheme != "catmull-clark" or crease_angle is not None or interpolate_directors != 0:
             raise OptionError("scheme, crease_angle and interpolate_directors need subdivide")

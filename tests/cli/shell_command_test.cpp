@@ -25,6 +25,22 @@ TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
   EXPECT_EQ(read_soup(out).n_faces(), 2 * result["triangles"].get<std::size_t>());
 }
 
+TEST(ShellCommand, KeepsDirectorsOnDemand) {
+  const TempFolder folder;
+  folder.write("cube.obj",
+               "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  std::vector<std::string> arguments{"shell",  folder / "cube.obj", "--thickness", "0.2",
+                                     "--side", "interior",          "--json"};
+  const nlohmann::json thick = json_of(run_recede(arguments))["interior"];
+  EXPECT_TRUE(thick["is_of_normals"]);
+  EXPECT_NEAR(thick["thickness"]["mean"], 1, 1e-9);
+  arguments.push_back("--keep-directors");
+  const nlohmann::json thin = json_of(run_recede(arguments))["interior"];
+  EXPECT_FALSE(thin["is_of_normals"]);
+  EXPECT_LT(thin["thickness"]["mean"], 0.4);
+}
+
 TEST(ShellCommand, SaysWhatIsWrongWithoutRepair) {
   const nlohmann::json result =
       json_of(run_recede({"shell", "teapot", "--relative-thickness", "0.05", "--side", "interior",

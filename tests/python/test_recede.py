@@ -484,6 +484,8 @@ def test_a_shell_of_a_limit_surface_puts_directors_between_others():
     assert everywhere.is_valid and everywhere.traced == 6 * 64 + 2 and everywhere.base.n_faces == 2 * 6 * 64
     surface = recede.subdivide(cube, level=3).mesh
     assert (everywhere.exterior.tops == recede.build_shell(surface, 0.1).exterior.tops).all()
+    thick, thin = (recede.build_shell(cube, 0.1, side="interior", at_least_normals=wanted).interior for wanted in (True, False))
+    assert thick.is_of_normals and not thin.is_of_normals and thick.thickness[1] > 2 * thin.thickness[1]
     few = recede.build_shell(cube, 0.1, subdivide=3, interpolate_directors=2, side="interior")
     assert few.is_valid and few.traced == 26
     creased = recede.build_shell(cube, 0.1, subdivide=3, crease_angle=30)
