@@ -28,12 +28,6 @@ PlacedVolume place_volume(const PolygonSoup& base, std::shared_ptr<const VolumeM
   return volume;
 }
 
-std::shared_ptr<const VolumeMipmap> only_level(VolumeTexture texture) {
-  VolumeMipmap mipmap;
-  mipmap.surfaces.push_back(std::move(texture));
-  return std::make_shared<const VolumeMipmap>(std::move(mipmap));
-}
-
 std::vector<SeenVolume> trace_volumes(const Scene& scene, const Camera& camera, int samples) {
   const CameraFrame frame = frame_of(camera);
   const detail::SceneData& data = scene.data();

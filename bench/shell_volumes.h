@@ -24,8 +24,6 @@ PolygonSoup flat_square();
 /// A texture in a layer along the normals, drawn from its finest level.
 PlacedVolume place_volume(const PolygonSoup& base, std::shared_ptr<const VolumeMipmap> texture,
                           double thickness, const Vec2& repeat);
-/// A texture without other levels.
-std::shared_ptr<const VolumeMipmap> only_level(VolumeTexture texture);
 
 /// What a ray through a pixel meets.
 struct SeenVolume {

@@ -30,7 +30,6 @@ struct CarveCommandOptions {
 struct Tool {
   InsideDistance inside;
   double volume = 0;  ///< object units to the third
-  std::shared_ptr<const SignedDistance> mesh{};
 };
 
 struct Edited {
@@ -39,19 +38,14 @@ struct Edited {
   std::optional<MoveReport> move{};
 };
 
-Tool ball_tool(const std::array<double, 4>& ball) {
-  const Vec3 center(ball[0], ball[1], ball[2]);
-  const double radius = ball[3];
-  if (!(radius > 0) || !std::isfinite(radius) || !center.allFinite())
-    throw OptionError("--ball has finite numbers and a radius above 0");
-  return {[=](const Vec3& point) { return radius - (point - center).norm(); },
-          4.0 / 3 * std::numbers::pi * radius * radius * radius};
-}
-
-Tool mesh_tool(const CarveCommandOptions& options, Progress* progress) {
+Tool read_tool(const CarveCommandOptions& options, Progress* progress) {
+  if (options.ball) {
+    const auto& [x, y, z, radius] = *options.ball;
+    return {ball_body({x, y, z}, radius), 4.0 / 3 * std::numbers::pi * radius * radius * radius};
+  }
   const auto mesh =
       std::make_shared<const SignedDistance>(read_unrepaired(options.tool, progress), options.tool);
-  return {[mesh](const Vec3& point) { return mesh->inside_by(point); }, std::abs(mesh->volume()), mesh};
+  return {mesh_body(mesh), mesh->volume()};
 }
 
 void check(const CarveCommandOptions& options) {
@@ -60,6 +54,8 @@ void check(const CarveCommandOptions& options) {
   if (n_tools != 1) throw OptionError("one of a TOOL, --ball and --move says what to do");
   if (options.from.has_value() != options.to.has_value() || (options.from && options.radius == 0))
     throw OptionError("--move needs --to and --radius");
+  if (options.ramp != CarveCommandOptions{}.ramp && options.edit == Edit::cut)
+    throw OptionError("what is cut has sharp ends, and no --ramp");
   if (options.color && options.edit != Edit::unite)
     throw OptionError("--color is of what --operation unite adds");
 }
@@ -75,7 +71,7 @@ Edited edit(VolumeTexture& texture, const LayerGrid& grid, const CarveCommandOpt
     const MoveReport report = move_matter(texture, grid, move);
     return {.report = report.edit, .move = report};
   }
-  const Tool tool = options.ball ? ball_tool(*options.ball) : mesh_tool(options, progress);
+  const Tool tool = read_tool(options, progress);
   Edited edited{.tool_volume = tool.volume};
   if (options.edit == Edit::cut) {
     edited.report =
@@ -143,6 +139,38 @@ void run(const CarveCommandOptions& options) {
   print_text(options, grid, edited, seconds);
 }
 
+void add_body_options(CLI::App& command, CarveCommandOptions& options) {
+  CLI::Option* operation = command.add_option(
+      "--operation", options.edit,
+      "carve (default) takes the tool away, unite adds it, intersect leaves what is in it, cut "
+      "empties texels in it, with sharp ends");
+  operation->transform(one_of<Edit>(
+      {{"carve", Edit::carve}, {"unite", Edit::unite}, {"intersect", Edit::intersect}, {"cut", Edit::cut}}));
+  command.add_option("--ball", options.ball, "a ball instead of a mesh: middle and radius, object units")
+      ->option_text("X Y Z R");
+  command.add_option("--color", options.color, "of what unite adds, sRGB, 0 to 1 each")
+      ->option_text("R G B")
+      ->needs(operation);
+  CLI::Option* ramp = command.add_option(
+      "--ramp", options.ramp,
+      "half of the width over which opacity goes from 0 to 1, in longest sides of texels (2)");
+  ramp->check(CLI::PositiveNumber);
+
+  const auto moving = "Moving";
+  CLI::Option* move =
+      command.add_option("--move", options.from, "moves what is around this point of the surface");
+  move->option_text("X Y Z")->group(moving)->excludes(operation)->excludes(ramp);
+  command.add_option("--to", options.to, "around that one")->option_text("X Y Z")->group(moving)->needs(move);
+  command.add_option("--radius", options.radius, "of the discs, along the surface, object units")
+      ->check(CLI::PositiveNumber)
+      ->group(moving)
+      ->needs(move);
+  command.add_option("--turn", options.turn, "counter-clockwise, seen from outside, degrees (0)")
+      ->group(moving)
+      ->needs(move);
+  command.add_flag("--copy", options.is_copy, "leaves it where it was, too")->group(moving)->needs(move);
+}
+
 }  // namespace
 
 void add_carve_command(CLI::App& app) {
@@ -155,37 +183,13 @@ void add_carve_command(CLI::App& app) {
   command->add_option("tool", options->tool,
                       "closed mesh to carve with, where it is: a file or a built-in model");
   command->add_option("-o,--output", options->output, ".shell file to write")->required();
+  add_body_options(*command, *options);
   command
-      ->add_option("--operation", options->edit,
-                   "carve (default) takes the tool away, unite adds it, intersect leaves what is in it, cut "
-                   "empties texels in it, with sharp ends")
-      ->transform(one_of<Edit>({{"carve", Edit::carve},
-                                {"unite", Edit::unite},
-                                {"intersect", Edit::intersect},
-                                {"cut", Edit::cut}}));
-  command->add_option("--ball", options->ball, "a ball instead of a mesh: middle and radius, object units")
-      ->option_text("X Y Z R");
-  command->add_option("--color", options->color, "of what unite adds, sRGB, 0 to 1 each")
-      ->option_text("R G B");
-  command
-      ->add_option("--ramp", options->ramp,
-                   "half of the width over which opacity goes from 0 to 1, in longest sides of texels (2)")
-      ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--size", options->size,
-                   "texels of the whole layer; else as it has, or where its texture repeats as fine as that")
+      ->add_option(
+          "--size", options->size,
+          "texels of the whole layer; else as it has, or where its texture repeats as fine as that, up to "
+          "4096 x 4096")
       ->option_text("S T R");
-  const auto moving = "Moving";
-  command->add_option("--move", options->from, "moves what is around this point of the surface")
-      ->option_text("X Y Z")
-      ->group(moving);
-  command->add_option("--to", options->to, "around that one")->option_text("X Y Z")->group(moving);
-  command->add_option("--radius", options->radius, "of the discs, along the surface, object units")
-      ->check(CLI::PositiveNumber)
-      ->group(moving);
-  command->add_option("--turn", options->turn, "counter-clockwise, seen from outside, degrees (0)")
-      ->group(moving);
-  command->add_flag("--copy", options->is_copy, "leaves it where it was, too")->group(moving);
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });
 }

@@ -136,6 +136,9 @@ void Drawn::check_options() const {
   if (options_.reflectance && std::none_of(hierarchy_.levels.begin(), hierarchy_.levels.end(),
                                            [](const LodLevel& level) { return !!level.billboards; }))
     throw OptionError(options_.input + " has no billboards, whose reflectance could be drawn");
+  if (options_.matter_color &&
+      std::none_of(shells_.begin(), shells_.end(), [](const auto& shell) { return !!shell; }))
+    throw OptionError(options_.input + " has no textured shell, whose matter could have a colour");
   if (!options_.appearance) {
     if (options_.transition_distance) throw OptionError("--transition-distance needs --appearance");
     return;

@@ -288,13 +288,13 @@ void add_shell_command(CLI::App& app) {
                     "keeps directors that got shorter than plain normals could be all over the surface");
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
   add_shell_texture_options(*command, options->texture);
-  command
-      ->add_option(
-          "--folder", options->folder,
-          "writes a hierarchy for recede render: the textured shell, and from afar the surface alone")
-      ->group("Texture");
+  CLI::Option* folder = command->add_option(
+      "--folder", options->folder,
+      "writes a hierarchy for recede render: the textured shell, and from afar the surface alone");
+  folder->group("Texture");
   command
       ->add_option("--ratios", options->levels.ratios, "shares of its faces on further levels (0.25 0.0625)")
+      ->needs(folder)
       ->group("Texture");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

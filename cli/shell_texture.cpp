@@ -21,42 +21,39 @@ ProceduralVolume procedural(const ShellTextureOptions& options) {
   return bubbles({.seed = options.seed, .time = options.time});
 }
 
-std::shared_ptr<const VolumeMipmap> only_finest(VolumeTexture texture) {
-  VolumeMipmap mipmap;
-  mipmap.surfaces.push_back(std::move(texture));
-  return std::make_shared<const VolumeMipmap>(std::move(mipmap));
-}
-
 }  // namespace
 
 void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) {
   const auto group = "Texture";
-  command
-      .add_option("--texture", options.name,
-                  "fills the layer, for an output that ends in .shell: chain-mail, weave, bark, bubbles, or "
-                  "solid or empty for recede carve")
-      ->check(CLI::IsMember({"chain-mail", "weave", "bark", "bubbles", "solid", "empty"}))
-      ->group(group);
+  CLI::Option* texture = command.add_option(
+      "--texture", options.name,
+      "fills the layer, for an output that ends in .shell: chain-mail, weave, bark, bubbles, or "
+      "solid or empty for recede carve");
+  texture->check(CLI::IsMember({"chain-mail", "weave", "bark", "bubbles", "solid", "empty"}))->group(group);
   command
       .add_option("--periods", options.periods,
                   "of the texture across the texture coordinates from 0 to 1 (10); along t as many as keep "
                   "its shape")
       ->check(CLI::PositiveNumber)
+      ->needs(texture)
       ->group(group);
   command
       .add_option(
           "--texels", options.texels,
           "along s: of a period (64), or of all that is solid or empty (512), where as many are along t")
       ->check(CLI::Range(1, 16384))
+      ->needs(texture)
       ->group(group);
   command
       .add_option("--layers", options.layers, "texels from the surface to the tops, of solid and empty (16)")
       ->check(CLI::Range(1, 4096))
+      ->needs(texture)
       ->group(group);
-  command.add_option("--texture-seed", options.seed, "of bark and bubbles (1)")->group(group);
+  command.add_option("--texture-seed", options.seed, "of bark and bubbles (1)")->needs(texture)->group(group);
   command
       .add_option("--texture-time", options.time,
                   "of bubbles, in lives of a bubble: pictures of an animation (0)")
+      ->needs(texture)
       ->group(group);
 }
 
@@ -71,11 +68,11 @@ TexturedShell textured_shell(std::shared_ptr<const Shell> shell, ShellSide side,
   if (is_filled_once(options)) {
     const int texels = options.texels.value_or(k_texels_of_all);
     const LayerGrid grid(textured.shell, side, {texels, texels, options.layers});
-    textured.texture = only_finest(make_uniform_volume(grid, options.name == "solid" ? 1 : 0));
+    textured.texture = finest_only(make_uniform_volume(grid, options.name == "solid" ? 1 : 0));
     return textured;
   }
   const ProceduralVolume volume = procedural(options);
-  textured.texture = only_finest(make_volume(volume, options.texels.value_or(k_texels_of_period), progress));
+  textured.texture = finest_only(make_volume(volume, options.texels.value_or(k_texels_of_period), progress));
   textured.coordinates.repeat = {options.periods, options.periods * volume.extent.x() / volume.extent.y()};
   return textured;
 }

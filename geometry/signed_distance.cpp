@@ -56,6 +56,7 @@ SignedDistance::SignedDistance(Triangles triangles)
       triangles_(std::move(triangles.soup.corner_vertices)),
       tree_(positions_, triangles_) {
   const std::size_t n = triangles_.size() / 3;
+  Box3 box;
   face_normals_.reserve(n);
   vertex_normals_.assign(positions_.size(), Vec3::Zero());
   edge_normals_.resize(triangles_.size());
@@ -66,14 +67,14 @@ SignedDistance::SignedDistance(Triangles triangles)
     face_normals_.push_back((corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized());
     volume_ += corners[0].dot(corners[1].cross(corners[2])) / 6;
     for (std::size_t k = 0; k < 3; ++k) {
-      box_.extend(corners[k]);
+      box.extend(corners[k]);
       const Vec3 next = corners[(k + 1) % 3] - corners[k], last = corners[(k + 2) % 3] - corners[k];
       vertex_normals_[triangles_[3 * t + k]] += angle_between(next, last) * face_normals_.back();
     }
   }
   // Of nearest points, with which sides they lie on is told.
   rounding_ = 32 * std::numeric_limits<double>::epsilon() *
-              box_.min().cwiseAbs().cwiseMax(box_.max().cwiseAbs()).maxCoeff();
+              box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   for (std::size_t edge = 0; edge < triangles.edges.n_edges(); ++edge) {
     Vec3 sum = Vec3::Zero();
     for (const Index corner : triangles.edges.sides(edge)) sum += face_normals_[corner / 3];
@@ -81,11 +82,11 @@ SignedDistance::SignedDistance(Triangles triangles)
   }
 }
 
-double SignedDistance::inside_by(const Vec3& point, Index* hint) const {
-  const ClosestPointTree::Hit hit = tree_.closest(point, hint ? *hint : k_no_index);
-  if (hint) *hint = hit.triangle;
+double SignedDistance::inside_by(const Vec3& point) const {
+  const ClosestPointTree::Hit hit = tree_.closest(point);
   const double distance = std::sqrt(hit.squared_distance);
-  return (point - hit.point).dot(normal_at(hit.triangle, hit.point)) > 0 ? -distance : distance;
+  const bool is_in_front = (point - hit.point).dot(normal_at(hit.triangle, hit.point)) > 0;
+  return is_in_front == (volume_ >= 0) ? -distance : distance;
 }
 
 Vec3 SignedDistance::normal_at(Index triangle, const Vec3& point) const {

@@ -3,6 +3,7 @@
 
 #include <recede/geometry/closest_point.h>
 
+#include <cmath>
 #include <string>
 
 namespace recede {
@@ -12,17 +13,17 @@ class SignedDistance {
  public:
   /// Polygons are triangulated, vertices of one place are one. Throws `InputError`, with `source` in front,
   /// for a soup that `validate` refuses, no triangle of any area, and a surface that isn't closed: each edge
-  /// must be run along as often one way as the other. Pieces that meet each other, or themselves, aren't
+  /// must be run along as often one way as the other. Where faces enclose a volume below 0 all of them are
+  /// taken as turned over: what they enclose is inside. Pieces that meet each other, or themselves, aren't
   /// found: of two that overlap the nearer one decides.
   explicit SignedDistance(const PolygonSoup& surface, const std::string& source = "the surface");
 
   /// Above 0 inside, object units. The sign is that of the angle-weighted normal of the nearest point's face,
   /// edge or vertex (Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted
-  /// pseudonormal"). `hint` is a triangle thought to be near and receives the nearest one.
-  double inside_by(const Vec3& point, Index* hint = nullptr) const;
+  /// pseudonormal").
+  double inside_by(const Vec3& point) const;
 
-  const Box3& box() const { return box_; }
-  double volume() const { return volume_; }  ///< by the faces' orientation, below 0 where they face inwards
+  double volume() const { return std::abs(volume_); }  ///< enclosed, object units to the third
 
  private:
   struct Triangles;
@@ -35,8 +36,8 @@ class SignedDistance {
   std::vector<Vec3> face_normals_;  // unit
   std::vector<Vec3> edge_normals_;  // of the side from each corner to the next: sums over its faces
   std::vector<Vec3> vertex_normals_;
-  Box3 box_;
-  double volume_ = 0, rounding_ = 0;
+  double volume_ = 0;    // below 0 where faces face inwards
+  double rounding_ = 0;  // of nearest points
 };
 
 }  // namespace recede

@@ -122,16 +122,10 @@ py::dict report_of(const EditReport& report, const LayerGrid& grid) {
 
 // A mesh, or a middle and a radius.
 InsideDistance tool_of(const py::handle& tool) {
-  if (py::isinstance<Mesh>(tool)) {
-    const auto distance = std::make_shared<const SignedDistance>(*tool.cast<const Mesh&>().soup, "the tool");
-    return [distance](const Vec3& point) { return distance->inside_by(point); };
-  }
-  const auto ball = tool.cast<std::array<double, 4>>();
-  const Vec3 center(ball[0], ball[1], ball[2]);
-  const double radius = ball[3];
-  if (!center.allFinite() || !(radius > 0) || !std::isfinite(radius))
-    throw OptionError("a ball has finite numbers and a radius above 0");
-  return [=](const Vec3& point) { return radius - (point - center).norm(); };
+  if (py::isinstance<Mesh>(tool))
+    return mesh_body(std::make_shared<const SignedDistance>(*tool.cast<const Mesh&>().soup, "the tool"));
+  const auto [x, y, z, radius] = tool.cast<std::array<double, 4>>();
+  return ball_body({x, y, z}, radius);
 }
 
 py::tuple carve(const FilledShell& filled, const py::handle& tool, const std::string& operation,

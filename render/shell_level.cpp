@@ -91,19 +91,18 @@ class ViewFromAbove {
   // Cosine between the surface's normal and the director; 1 at the layer's end, which is cut through matter.
   float shading(const ShellPlace& place, const Vec3& texture_place, bool is_end) const {
     if (is_end) return 1;
-    const ShellPlace& at = place;
     std::array<Vec3, 3> corners;
     Vec3 up = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
-      const Index v = base_.corner_vertices[3 * at.triangle + k];
+      const Index v = base_.corner_vertices[3 * place.triangle + k];
       const Vec3 director = layer_.tops[v] - base_.positions[v];
-      corners[k] = base_.positions[v] + at.height * director;
-      up += at.weights[static_cast<int>(k)] * director;
+      corners[k] = base_.positions[v] + place.height * director;
+      up += place.weights[static_cast<int>(k)] * director;
     }
     Eigen::Matrix2d flat;
     for (int k = 0; k < 2; ++k) {
-      const std::size_t corner = 3 * at.triangle + static_cast<std::size_t>(k) + 1;
-      flat.col(k) = (base_.corner_uvs[corner] - base_.corner_uvs[3 * at.triangle])
+      const std::size_t corner = 3 * place.triangle + static_cast<std::size_t>(k) + 1;
+      flat.col(k) = (base_.corner_uvs[corner] - base_.corner_uvs[3 * place.triangle])
                         .cwiseProduct(textured_.coordinates.repeat);
     }
     Eigen::Matrix<double, 3, 2> sides;

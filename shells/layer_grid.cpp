@@ -1,6 +1,7 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/shells/layer_grid.h>
+#include <recede/shells/volume_texture.h>
 
 #include <fmt/format.h>
 

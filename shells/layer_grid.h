@@ -2,7 +2,6 @@
 #pragma once
 
 #include <recede/shells/shell.h>
-#include <recede/shells/textured_shell.h>
 
 #include <array>
 #include <memory>

@@ -30,8 +30,6 @@ constexpr double k_free = 0.97;
 // times less is what doubled steps of the second order still keep, and half of that again to spare.
 constexpr double k_largest_error = 0.256, k_even = 1.0 / 12;
 
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 // What leads the way.
 struct Flow {
   Vec3 velocity = Vec3::Zero();  // at most 1 long, unless of averages

@@ -208,11 +208,17 @@ FilledLayer fill_once(const TexturedShell& textured, const std::optional<std::ar
 }
 
 TexturedShell with_texture(const TexturedShell& textured, VolumeTexture texture) {
-  VolumeMipmap finest;
-  finest.surfaces.push_back(std::move(texture));
-  return {.shell = textured.shell,
-          .side = textured.side,
-          .texture = std::make_shared<const VolumeMipmap>(std::move(finest))};
+  return {.shell = textured.shell, .side = textured.side, .texture = finest_only(std::move(texture))};
+}
+
+InsideDistance ball_body(const Vec3& center, double radius) {
+  if (!center.allFinite() || !(radius > 0) || !std::isfinite(radius))
+    throw OptionError("a ball has finite numbers and a radius above 0");
+  return [=](const Vec3& point) { return radius - (point - center).norm(); };
+}
+
+InsideDistance mesh_body(std::shared_ptr<const SignedDistance> mesh) {
+  return [mesh = std::move(mesh)](const Vec3& point) { return mesh->inside_by(point); };
 }
 
 ShellPlace nearest_place(const Shell& shell, const Vec3& point) {

@@ -8,6 +8,7 @@
 #include <recede/geometry/progress.h>
 #include <recede/geometry/signed_distance.h>
 #include <recede/shells/layer_grid.h>
+#include <recede/shells/textured_shell.h>
 
 #include <functional>
 #include <optional>
@@ -36,11 +37,15 @@ struct FilledLayer {
 /// unwrapped, to `size` or `unwrapped_size`. Errors are those of `LayerGrid` and `unwrap_volume`.
 FilledLayer fill_once(const TexturedShell& textured, const std::optional<std::array<int, 3>>& size = {});
 
-/// With the edited texture, as it is (without `transparent` levels), in the same layer.
+/// With the edited texture, without smaller versions, in the same layer.
 TexturedShell with_texture(const TexturedShell& textured, VolumeTexture texture);
 
 /// The place of a shell's base that is nearest to a point.
 ShellPlace nearest_place(const Shell& shell, const Vec3& point);
+
+/// Bodies for `combine` and `cut`. Throws `OptionError` unless numbers are finite and the radius above 0.
+InsideDistance ball_body(const Vec3& center, double radius);
+InsideDistance mesh_body(std::shared_ptr<const SignedDistance> mesh);
 
 enum class VolumeOperation {
   unite,      ///< matter is where it was or where the body is

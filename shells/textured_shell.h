@@ -24,7 +24,8 @@ struct TexturedShell {
   std::shared_ptr<const VolumeMipmap> texture{};
   VolumeCoordinates coordinates{};
 
-  /// Throws `InputError` when the shell hasn't got the layer or texture coordinates, or there is no texture.
+  /// Throws `InputError` when the shell hasn't got the layer or texture coordinates, there is no texture, or
+  /// its coordinates aren't finite or repeat 0 times.
   const ShellLayer& layer() const;
 };
 

@@ -63,10 +63,12 @@ class Reader {
       for (double& x : vector) x = number();
     return result;
   }
-  void texels(void* to, std::size_t n) {
-    need(n);
-    std::memcpy(to, bytes_.data() + at_, n);
-    at_ += n;
+  template <typename Texel>
+  void texels(std::size_t n, std::vector<Texel>& to) {
+    need(n * sizeof(Texel));  // before there is room for them
+    to.resize(n);
+    std::memcpy(to.data(), bytes_.data() + at_, n * sizeof(Texel));
+    at_ += n * sizeof(Texel);
   }
   void end() {
     if (at_ != bytes_.size()) refuse("more than a textured shell is in the file");
@@ -102,6 +104,7 @@ std::shared_ptr<const Shell> read_shell(Reader& reader, ShellSide& side, Progres
   auto shell = std::make_shared<Shell>();
   PolygonSoup& base = shell->base;
   const std::uint32_t n_vertices = reader.count(k_most), n_triangles = reader.count(k_most);
+  if (n_vertices == 0 || n_triangles == 0) reader.refuse("a shell needs a triangle");
   side = reader.count(1) == 1 ? ShellSide::interior : ShellSide::exterior;
   const bool has_colors = reader.count(1) == 1;
   base.positions = reader.vectors<Vec3>(n_vertices);
@@ -146,12 +149,8 @@ VolumeTexture read_texture(Reader& reader) {
   const bool has_colors = reader.count(1) == 1;
   for (double& length : texture.extent) length = reader.number();
   texture.ramp = reader.number();
-  texture.opacity.resize(texture.n_texels());
-  reader.texels(texture.opacity.data(), texture.opacity.size());
-  if (has_colors) {
-    texture.colors.resize(texture.n_texels());
-    reader.texels(texture.colors.data(), 3 * texture.colors.size());
-  }
+  reader.texels(texture.n_texels(), texture.opacity);
+  if (has_colors) reader.texels(texture.n_texels(), texture.colors);
   validate(texture, reader.name());
   return texture;
 }
@@ -206,12 +205,8 @@ TexturedShell read_textured_shell(const std::filesystem::path& path, const ReadS
   try {
     VolumeTexture texture = read_texture(reader);
     reader.end();
-    VolumeMipmap mipmap;
-    if (options.make_mipmap)
-      mipmap = make_mipmap(texture);
-    else
-      mipmap.surfaces.push_back(std::move(texture));
-    textured.texture = std::make_shared<const VolumeMipmap>(std::move(mipmap));
+    textured.texture = options.make_mipmap ? std::make_shared<const VolumeMipmap>(make_mipmap(texture))
+                                           : finest_only(std::move(texture));
   } catch (const OptionError& error) {
     reader.refuse(error.what());
   }

@@ -1,6 +1,7 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/raster.h>
 #include <recede/shells/detail/matter_calibration.h>
+#include <recede/shells/detail/volume_sampler.h>
 #include <recede/shells/volume_mipmap.h>
 
 #include <Eigen/Eigenvalues>
@@ -157,14 +158,13 @@ VolumeTexture halved(const VolumeTexture& texture, const Grid& shares) {
 
 /// What a transparent level is made of, kept from level to level.
 struct Statistics {
-  Grid shares;               // mean of what is inside
-  std::array<Grid, 3> rows;  // by axis: the largest share in a row, halved along it alone
-  std::vector<Matrix3> normals;
+  Grid shares;                   // mean of what is inside
+  std::array<Grid, 3> rows;      // by axis: the largest share in a row, halved along it alone
+  std::vector<Matrix3> normals;  // none at the finest level, whose texels have a piece of surface each
 };
 
 Matrix3 flat_piece(const VolumeTexture& texture, const std::array<int, 3>& cell, double flatness) {
-  const Vec3 gradient = opacity_gradient(texture, texture.middle(cell[0], cell[1], cell[2]));
-  const Vec3 normal = gradient.cwiseQuotient(texture.extent);
+  const Vec3 normal = detail::texel_gradient(texture, cell).cwiseQuotient(texture.extent);
   const double length = normal.norm();
   if (!(length > 0)) return Matrix3::Zero();
   const Vec3 unit = normal / length;
@@ -172,14 +172,16 @@ Matrix3 flat_piece(const VolumeTexture& texture, const std::array<int, 3>& cell,
   return length * (Matrix3::Identity() - (1 - flatness * flatness) * unit * unit.transpose());
 }
 
-std::vector<Matrix3> halved(const std::vector<Matrix3>& normals, const Grid& fine, const Grid& coarse) {
+// `normal_of` says what a texel of the finer level adds.
+template <typename NormalOf>
+std::vector<Matrix3> summed_normals(const Grid& fine, const Grid& coarse, NormalOf&& normal_of) {
   std::vector<Matrix3> sums(coarse.values.size(), Matrix3::Zero());
   for_each_cell(coarse.size, [&](const std::array<int, 3>& cell) {
     for (int child = 0; child < 8; ++child) {
       const std::array<int, 3> at{2 * cell[0] + (child & 1), 2 * cell[1] + ((child >> 1) & 1),
                                   2 * cell[2] + (child >> 2)};
       if (at[0] < fine.size[0] && at[1] < fine.size[1] && at[2] < fine.size[2])
-        sums[coarse.at(cell)] += normals[fine.at(at)];
+        sums[coarse.at(cell)] += normal_of(at);
     }
   });
   return sums;
@@ -187,12 +189,15 @@ std::vector<Matrix3> halved(const std::vector<Matrix3>& normals, const Grid& fin
 
 Grid halved_everywhere(const Grid& grid) { return halved(halved(halved(grid, 0, mean), 1, mean), 2, mean); }
 
-Statistics halved(const Statistics& fine) {
+// `texture` is the finest level.
+Statistics halved(const Statistics& fine, const VolumeTexture& texture, double flatness) {
   Statistics coarse{
       halved_everywhere(fine.shares),
       {halved(fine.rows[0], 0, larger), halved(fine.rows[1], 1, larger), halved(fine.rows[2], 2, larger)},
       {}};
-  coarse.normals = halved(fine.normals, fine.shares, coarse.shares);
+  coarse.normals = summed_normals(fine.shares, coarse.shares, [&](const std::array<int, 3>& cell) -> Matrix3 {
+    return fine.normals.empty() ? flat_piece(texture, cell, flatness) : fine.normals[fine.shares.at(cell)];
+  });
   return coarse;
 }
 
@@ -224,7 +229,8 @@ double fitted_correlation(const Grid& rows, std::size_t axis, const Grid& opacit
   return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0;
 }
 
-TransparentVolume transparent_level(const Statistics& statistics, const VolumeTexture& texture) {
+TransparentVolume transparent_level(const Statistics& statistics, const VolumeTexture& texture,
+                                    double flatness) {
   TransparentVolume level{.size = texture.size, .colors = texture.colors};
   const std::size_t n = texture.n_texels();
   level.opacity.resize(n);
@@ -235,11 +241,13 @@ TransparentVolume transparent_level(const Statistics& statistics, const VolumeTe
       level.opacity[i][axis] = byte_of(static_cast<double>(opacity.values[i]));
     level.correlation[static_cast<int>(axis)] = fitted_correlation(statistics.rows[axis], axis, opacity);
   }
-  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(statistics.normals[i], Eigen::EigenvaluesOnly);
+  for_each_cell(level.size, [&](const std::array<int, 3>& cell) {
+    const std::size_t i = level.texel(cell[0], cell[1], cell[2]);
+    const Matrix3 normals =
+        statistics.normals.empty() ? flat_piece(texture, cell, flatness) : statistics.normals[i];
+    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(normals, Eigen::EigenvaluesOnly);
     const double largest = solver.eigenvalues()[2];
-    level.normals[i] =
-        normal_bytes(largest > 0 ? Matrix3(statistics.normals[i] / largest) : Matrix3::Identity());
+    level.normals[i] = normal_bytes(largest > 0 ? Matrix3(normals / largest) : Matrix3::Identity());
   });
   return level;
 }
@@ -267,6 +275,12 @@ bool is_seen_alike(const std::vector<detail::SeenLayer>& level, const std::vecto
 
 }  // namespace
 
+std::shared_ptr<const VolumeMipmap> finest_only(VolumeTexture texture) {
+  auto mipmap = std::make_shared<VolumeMipmap>();
+  mipmap->surfaces.push_back(std::move(texture));
+  return mipmap;
+}
+
 VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& options) {
   validate(texture, "a mipmap");
   if (!(options.least_share >= 0) || !(options.least_share <= 1))
@@ -275,11 +289,7 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
     throw OptionError("what levels of surfaces may be seen off by is 0 or more");
   if (!(options.flatness > 0) || !(options.flatness <= 1))
     throw OptionError("the flatness of normals must be above 0 and at most 1");
-  const Grid shares = coverage(texture);
-  Statistics statistics{shares, {shares, shares, shares}, std::vector<Matrix3>(texture.n_texels())};
-  for_each_cell(texture.size, [&](const std::array<int, 3>& cell) {
-    statistics.normals[shares.at(cell)] = flat_piece(texture, cell, options.flatness);
-  });
+  Statistics statistics{coverage(texture), {coverage(texture), coverage(texture), coverage(texture)}, {}};
 
   VolumeMipmap mipmap;
   mipmap.surfaces.push_back(texture);
@@ -297,12 +307,12 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
     if (keeps_shape) {
       mipmap.surfaces.push_back(next);
     } else {
-      mipmap.transparent.push_back(transparent_level(statistics, level));
+      mipmap.transparent.push_back(transparent_level(statistics, level, options.flatness));
     }
-    statistics = halved(statistics);
+    statistics = halved(statistics, texture, options.flatness);
     level = next;
   }
-  mipmap.transparent.push_back(transparent_level(statistics, level));
+  mipmap.transparent.push_back(transparent_level(statistics, level, options.flatness));
   for (TransparentVolume& matter : mipmap.transparent) detail::calibrate(texture, exact, matter);
   return mipmap;
 }

@@ -4,6 +4,8 @@
 
 #include <recede/shells/volume_texture.h>
 
+#include <memory>
+
 namespace recede {
 
 /// With which a layer of transparent matter is seen as its finest level is.
@@ -72,6 +74,9 @@ struct VolumeMipmap {
   int first_transparent() const { return static_cast<int>(surfaces.size()) - 1; }
   int n_levels() const { return first_transparent() + static_cast<int>(transparent.size()); }
 };
+
+/// A texture without smaller versions: what is edited, or seen from near only.
+std::shared_ptr<const VolumeMipmap> finest_only(VolumeTexture texture);
 
 /// Peng 2004, chapter 6 and appendix B, with three changes: opacity along an axis is that of the finest
 /// texels, row by row, instead of pairs of pairs; correlation is fitted to rows of up to four texels; and 64

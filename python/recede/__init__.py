@@ -554,6 +554,8 @@ def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: n
         raise TypeError("an appearance is that of heights, and there are none")
     if reflectance is not None and not isinstance(surface, BillboardCloud):
         raise TypeError("a reflectance is that of billboards, and there are none")
+    if matter_color is not None and not isinstance(surface, TexturedShell):
+        raise TypeError("a matter_color is that of a textured shell")
     is_surface = isinstance(surface, (Mesh, BakedMaps, BillboardCloud, TexturedShell))
     if not is_surface or (height is not None and not isinstance(surface, Mesh)):
         raise TypeError("render takes a mesh, a mesh and its heights, baked maps, billboards, or a textured shell")

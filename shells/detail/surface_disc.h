@@ -30,7 +30,6 @@ class SurfaceDisc {
   std::vector<Index> triangles_;           // of the base
   std::vector<Index> number_of_triangle_;  // their numbers here, or none
   std::vector<Index> corners_;             // vertices of the disc, three to a triangle
-  std::vector<Index> vertices_;            // of the base, of vertices here
   std::vector<Vec2> points_;               // of vertices
   std::optional<ClosestPointTree> flat_;
   double stretch_ = 1;

@@ -3,6 +3,7 @@
 
 #include <recede/shells/detail/volume_sampler.h>
 #include <recede/shells/layer_grid.h>
+#include <recede/shells/volume_texture.h>
 
 namespace recede::detail {
 

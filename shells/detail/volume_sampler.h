@@ -73,6 +73,30 @@ inline double sampled_opacity(const VolumeTexture& texture, const Vec3& place) {
   }) * (1 / 255.0);
 }
 
+/// `opacity_gradient` at a texel's middle, from the texels on both sides of it.
+inline Vec3 texel_gradient(const VolumeTexture& texture, const std::array<int, 3>& cell) {
+  Vec3 gradient;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int size = texture.size[axis];
+    std::array<int, 3> before = cell, behind = cell;
+    --before[axis];
+    ++behind[axis];
+    int steps = 2;
+    if (axis < 2 && texture.is_periodic) {
+      if (before[axis] < 0) before[axis] = size - 1;
+      if (behind[axis] >= size) behind[axis] = 0;
+    } else {
+      before[axis] = std::max(before[axis], 0);
+      behind[axis] = std::min(behind[axis], size - 1);
+      steps = behind[axis] - before[axis];
+    }
+    const int rise = texture.opacity[texture.texel(behind[0], behind[1], behind[2])] -
+                     texture.opacity[texture.texel(before[0], before[1], before[2])];
+    gradient[static_cast<int>(axis)] = steps > 0 ? rise / 255.0 * size / steps : 0;
+  }
+  return gradient;
+}
+
 inline Vec3 linear_color(const Vec3& bytes) {
   return bytes.unaryExpr(
       [](double byte) { return static_cast<double>(decode_srgb(static_cast<float>(byte) / 255.0f)); });

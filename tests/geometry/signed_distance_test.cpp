@@ -86,9 +86,8 @@ TEST(SignedDistance, ChangesItsSignOnceAlongALine) {
     const Vec3 direction = Vec3(number(random), number(random), number(random)).normalized();
     int changes = 0;
     bool was_inside = true;
-    Index hint = k_no_index;
     for (double r = 0.01; r < 2; r += 0.01) {
-      const double inside = distance.inside_by(r * direction, &hint);
+      const double inside = distance.inside_by(r * direction);
       // The ridges are at most a fifth high.
       if (std::abs(r - 1) > 0.3) {
         EXPECT_EQ(inside > 0, r < 1);
@@ -98,6 +97,16 @@ TEST(SignedDistance, ChangesItsSignOnceAlongALine) {
     }
     EXPECT_EQ(changes % 2, 1);
   }
+}
+
+TEST(SignedDistance, TurnsOverWhatFacesInwards) {
+  PolygonSoup turned = box({0, 0, 0}, {1, 2, 1});
+  for (std::size_t f = 0; f < 6; ++f)
+    std::swap(turned.corner_vertices[4 * f + 1], turned.corner_vertices[4 * f + 3]);
+  const SignedDistance distance(turned);
+  EXPECT_NEAR(distance.volume(), 2, 1e-12);
+  EXPECT_NEAR(distance.inside_by({0.5, 0.5, 0.75}), 0.25, 1e-12);
+  EXPECT_NEAR(distance.inside_by({0.5, 0.5, 1.75}), -0.75, 1e-12);
 }
 
 TEST(SignedDistance, RefusesWhatHasNoInside) {

@@ -1,3 +1,4 @@
+#include "uv_sheet.h"
 #include <recede/geometry/error.h>
 #include <recede/render/renderer.h>
 #include <recede/render/shell_level.h>
@@ -14,20 +15,8 @@ using namespace recede;
 
 /// A sheet from -1 to 1 with hills, z up, of n x n quads.
 PolygonSoup hills(int n, double height) {
-  PolygonSoup soup;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
-      const double x = 2.0 * i / n - 1, y = 2.0 * j / n - 1;
-      soup.positions.emplace_back(x, y, height * std::sin(3 * x) * std::cos(3 * y));
-    }
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const auto at = [&](int di, int dj) { return static_cast<Index>((j + dj) * (n + 1) + i + di); };
-      soup.add_face(std::array{at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
-      for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
-        soup.corner_uvs.emplace_back((i + di) * 1.0 / n, (j + dj) * 1.0 / n);
-    }
-  }
+  PolygonSoup soup = test::uv_sheet(n);
+  for (Vec3& p : soup.positions) p.z() = height * std::sin(3 * p.x()) * std::cos(3 * p.y());
   return soup;
 }
 

@@ -1,3 +1,4 @@
+#include "uv_sheet.h"
 #include <recede/geometry/error.h>
 #include <recede/render/image_difference.h>
 #include <recede/render/renderer.h>
@@ -14,21 +15,7 @@ namespace {
 
 using namespace recede;
 
-/// A square of sides 2 around the origin, z up, cut into n x n quads, with texture coordinates from 0 to 1.
-PolygonSoup square(int n) {
-  PolygonSoup soup;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) soup.positions.emplace_back(2.0 * i / n - 1, 2.0 * j / n - 1, 0);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const auto at = [&](int di, int dj) { return static_cast<Index>((j + dj) * (n + 1) + i + di); };
-      soup.add_face(std::array{at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
-      for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
-        soup.corner_uvs.emplace_back((i + di) * 1.0 / n, (j + dj) * 1.0 / n);
-    }
-  }
-  return soup;
-}
+PolygonSoup square(int n) { return test::uv_sheet(n); }
 
 PlacedVolume placed(const PolygonSoup& base, const VolumeTexture& texture, double thickness,
                     const Vec2& repeat) {
@@ -110,9 +97,7 @@ TEST(ShellVolume, TwoTexturesInALayerAreTheirUnion) {
     PlacedVolume volume;
     volume.textured.shell = std::make_shared<const Shell>(
         build_shell(square(2), {.thickness = 1, .method = DirectorMethod::normals}));
-    VolumeMipmap finest;
-    finest.surfaces.push_back(texture);
-    volume.textured.texture = std::make_shared<const VolumeMipmap>(std::move(finest));
+    volume.textured.texture = finest_only(texture);
     return volume;
   };
   for (const int moved : {0, 4}) {  // texels
@@ -257,7 +242,7 @@ struct SheetFromAfar {
   PlacedVolume volume;
 };
 
-// Checklist 24: surfaces fade into matter without a step.
+// Surfaces fade into matter without a step.
 TEST(ShellVolume, OpacityIsSmoothFromSurfacesToMatter) {
   SheetFromAfar sheet(chain_mail(), 32);
   const double finest = static_cast<double>(mean_of(sheet.picture_at(-3)).x());
@@ -273,7 +258,7 @@ TEST(ShellVolume, OpacityIsSmoothFromSurfacesToMatter) {
   }
 }
 
-// Checklist 24: before the transition there is no matter, and behind it there are no surfaces.
+// Before the transition there is no matter, and behind it there are no surfaces.
 TEST(ShellVolume, LevelsAreSeenInTheirRangeOnly) {
   SheetFromAfar sheet(chain_mail(), 32);
   const std::shared_ptr<const VolumeMipmap> whole = sheet.volume.textured.texture;

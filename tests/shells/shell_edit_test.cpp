@@ -1,3 +1,4 @@
+#include "uv_sheet.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/sample_models.h>
 #include <recede/shells/procedural_volumes.h>
@@ -16,22 +17,8 @@ using namespace recede;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// A square of sides 2 around the origin, z up, cut into n x n quads, with texture coordinates from
-/// 0.1 to 0.9.
-PolygonSoup square(int n) {
-  PolygonSoup soup;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) soup.positions.emplace_back(2.0 * i / n - 1, 2.0 * j / n - 1, 0);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const auto at = [&](int di, int dj) { return static_cast<Index>((j + dj) * (n + 1) + i + di); };
-      soup.add_face(std::array{at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
-      for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)})
-        soup.corner_uvs.emplace_back(0.1 + 0.8 * (i + di) / n, 0.1 + 0.8 * (j + dj) / n);
-    }
-  }
-  return soup;
-}
+// Texture coordinates leave room for a gutter.
+PolygonSoup square(int n) { return test::uv_sheet(n, 0.1, 0.9); }
 
 /// Half of a cylinder of radius 1 along y from -1 to 1, with one chart.
 PolygonSoup half_cylinder(int n) {
@@ -49,9 +36,7 @@ std::shared_ptr<const Shell> shell_of(const PolygonSoup& base, double thickness,
       build_shell(base, {.thickness = thickness, .side = side, .method = DirectorMethod::normals}));
 }
 
-InsideDistance ball(const Vec3& center, double radius) {
-  return [=](const Vec3& p) { return radius - (p - center).norm(); };
-}
+InsideDistance ball(const Vec3& center, double radius) { return ball_body(center, radius); }
 
 Vec3 place_of(const Shell& shell, const ShellPlace& at) {
   Vec2 uv = Vec2::Zero();
@@ -187,8 +172,8 @@ TEST(ShellEdit, MeasuresTheBodyInTheLayer) {
   // A ramp of half a texel, 0.0125, adds its square over that of the radius: 0.0025.
   EXPECT_NEAR(of_ball / (4.0 / 3 * std::numbers::pi * std::pow(0.25, 3)), 1.0025, 0.003);
   // A ball of triangles of radius 1 +- 0.2 around the origin: the layer holds z from 0 to 0.6 of it.
-  const SignedDistance mesh(make_displaced_sphere(5000, true));
-  const auto inside = [&mesh](const Vec3& p) { return mesh.inside_by(p); };
+  const InsideDistance inside =
+      mesh_body(std::make_shared<const SignedDistance>(make_displaced_sphere(5000, true)));
   VolumeTexture other = make_uniform_volume(grid, 1);
   const EditReport carved = combine(other, grid, inside, {.operation = VolumeOperation::carve});
   double left = 0;
@@ -241,6 +226,17 @@ TEST(ShellEdit, CutsExactlyTheRegion) {
   }
   EXPECT_EQ(report.changed, changed);
   EXPECT_GT(changed, 100u);
+}
+
+TEST(ShellEdit, RefusesCoordinatesWithoutMeaning) {
+  TexturedShell textured;
+  textured.shell = shell_of(square(2), 0.3);
+  textured = with_texture(textured, make_volume(weave(), 4));
+  EXPECT_NO_THROW(textured.layer());
+  textured.coordinates.repeat = {0, 1};
+  EXPECT_THAT([&] { textured.layer(); }, ThrowsMessage<InputError>(HasSubstr("periods")));
+  textured.coordinates = {.offset = {0, std::nan("")}};
+  EXPECT_THROW(textured.layer(), InputError);
 }
 
 TEST(ShellEdit, UnwrapsWhatRepeats) {
@@ -314,7 +310,8 @@ TEST(ShellEdit, MovesMatterOverAPlane) {
   const MoveReport report = move_matter(moved, grid, options);
   EXPECT_NEAR(report.stretch, 1, 1e-6);
   EXPECT_EQ(report.without_source, 0u);
-  // Opacity that is linear between texels once more: over a ramp of four texels, a curve of radius 6.
+  // Sampled once more opacity is smoothed over a texel: of a ball of five texels' radius, with a ramp of
+  // four, by less than a sixteenth.
   EXPECT_LT(largest_difference(moved, with_balls({to})), 255 / 16);
   VolumeTexture copied = with_balls({from});
   options.is_copy = true;
@@ -404,6 +401,8 @@ TEST(ShellEdit, RefusesWhatItCannotEdit) {
   const LayerGrid grid(shell, ShellSide::exterior, {32, 32, 4});
   VolumeTexture texture = make_uniform_volume(grid, 1), other = texture;
   const InsideDistance body = ball({0, 0, 0}, 0.2);
+  EXPECT_THROW(ball_body({0, 0, 0}, -1), OptionError);
+  EXPECT_THROW(ball_body({std::nan(""), 0, 0}, 1), OptionError);
   other.is_periodic = true;
   EXPECT_THAT([&] { combine(other, grid, body); }, ThrowsMessage<InputError>(HasSubstr("unwrap")));
   other = make_uniform_volume(LayerGrid(shell, ShellSide::exterior, {16, 32, 4}), 1);

@@ -6,6 +6,7 @@
 #include <recede/shells/textured_shell_io.h>
 
 #include <gmock/gmock.h>
+#include <zstd.h>
 
 #include <random>
 
@@ -24,8 +25,7 @@ TexturedShell textured(ShellSide side, bool in_color) {
       .shell = std::make_shared<const Shell>(build_shell(base, {.thickness = 0.5, .side = side})),
       .side = side,
       .coordinates = {.repeat = {3, -2}, .offset = {0.25, 0.5}}};
-  shell.texture =
-      std::make_shared<const VolumeMipmap>(make_mipmap(make_volume(in_color ? weave() : chain_mail(), 8)));
+  shell.texture = finest_only(make_volume(in_color ? weave() : chain_mail(), 8));
   return shell;
 }
 
@@ -35,7 +35,7 @@ TEST(TexturedShellFile, HoldsWhatWasWritten) {
     for (const bool in_color : {false, true}) {
       const TexturedShell written = textured(side, in_color);
       write_textured_shell(folder / "a.shell", written);
-      const TexturedShell read = read_textured_shell(folder / "a.shell");
+      const TexturedShell read = read_textured_shell(folder / "a.shell", {.make_mipmap = false});
       EXPECT_EQ(read.side, side);
       EXPECT_EQ(read.shell->base.positions, written.shell->base.positions);
       EXPECT_EQ(read.shell->base.corner_vertices, written.shell->base.corner_vertices);
@@ -53,11 +53,74 @@ TEST(TexturedShellFile, HoldsWhatWasWritten) {
       EXPECT_EQ(a.is_periodic, b.is_periodic);
       EXPECT_EQ(a.extent, b.extent);
       EXPECT_EQ(a.ramp, b.ramp);
-      EXPECT_EQ(read.texture->n_levels(), written.texture->n_levels());
+      EXPECT_TRUE(read.texture->transparent.empty());
       write_textured_shell(folder / "b.shell", read);
       EXPECT_EQ(read_whole_file(folder / "b.shell"), read_whole_file(folder / "a.shell"));
     }
   }
+}
+
+TEST(TexturedShellFile, MakesSmallerVersionsOfTheTexture) {
+  const TempFolder folder;
+  const TexturedShell written = textured(ShellSide::exterior, false);
+  write_textured_shell(folder / "a.shell", written);
+  const VolumeMipmap expected = make_mipmap(written.texture->surfaces.front());
+  const TexturedShell read = read_textured_shell(folder / "a.shell");
+  ASSERT_EQ(read.texture->n_levels(), expected.n_levels());
+  EXPECT_EQ(read.texture->transparent.back().opacity, expected.transparent.back().opacity);
+}
+
+/// What a frame holds, in another frame that is sound.
+class Payload {
+ public:
+  explicit Payload(const std::string& file) : head_(file.substr(0, file.find('\n') + 1)) {
+    content_.resize(ZSTD_getFrameContentSize(file.data() + head_.size(), file.size() - head_.size()));
+    ZSTD_decompress(content_.data(), content_.size(), file.data() + head_.size(), file.size() - head_.size());
+  }
+  std::string& content() { return content_; }
+  std::string file() const {
+    std::string frame(ZSTD_compressBound(content_.size()), '\0');
+    frame.resize(ZSTD_compress(frame.data(), frame.size(), content_.data(), content_.size(), 1));
+    return head_ + frame;
+  }
+
+ private:
+  std::string head_, content_;
+};
+
+// The checksum is right, the numbers are not: each file is read or refused, whatever they say.
+TEST(TexturedShellFile, IsReadOrRefusedWhateverItsNumbersAre) {
+  const TempFolder folder;
+  write_textured_shell(folder / "a.shell", textured(ShellSide::exterior, true));
+  const Payload sound(read_whole_file(folder / "a.shell"));
+  std::mt19937 random(4);
+  int refused = 0;
+  constexpr int k_files = 400;
+  for (int n = 0; n < k_files; ++n) {
+    Payload changed = sound;
+    std::string& content = changed.content();
+    std::uniform_int_distribution<std::size_t> any(0, content.size() - 1);
+    if (n % 4 == 0) {
+      content.resize(any(random));
+    } else {
+      // Half of them in the counts at the beginning, which matter most.
+      const std::size_t at = n % 2 == 0 ? any(random) % 16 : any(random);
+      content[at] = static_cast<char>(random());
+    }
+    write_file_atomically(folder / "b.shell", changed.file());
+    try {
+      read_textured_shell(folder / "b.shell", {.make_mipmap = false});
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("b.shell"));
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, k_files / 4);
+  Payload longer = sound;
+  longer.content() += "x";
+  write_file_atomically(folder / "b.shell", longer.file());
+  EXPECT_THAT([&] { read_textured_shell(folder / "b.shell"); },
+              ThrowsMessage<InputError>(HasSubstr("more than a textured shell")));
 }
 
 TEST(TexturedShellFile, IsRefusedWhenItIsDamaged) {

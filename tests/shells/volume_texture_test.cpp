@@ -1,4 +1,5 @@
 #include <recede/geometry/error.h>
+#include <recede/shells/detail/volume_sampler.h>
 #include <recede/shells/procedural_volumes.h>
 #include <recede/shells/volume_texture.h>
 
@@ -43,6 +44,24 @@ TEST(VolumeTexture, HasGradientsOfTheDistance) {
     EXPECT_LT(std::acos(cosine), 1.0 * std::numbers::pi / 180);
     EXPECT_NEAR(gradient.norm(), 1 / (2 * texture.ramp), 0.02 / texture.ramp);
   }
+}
+
+TEST(VolumeTexture, HasTheSameGradientsAtTexels) {
+  for (const bool is_periodic : {true, false}) {
+    VolumeTexture texture = make_volume(
+        [](const Vec3& p) { return 0.2 * std::sin(7 * p.x() + 5 * p.y()) * std::cos(4 * p.z() - 3 * p.x()); },
+        {.size = {9, 6, 5}, .extent = Vec3::Ones(), .is_periodic = is_periodic});
+    for (int k = 0; k < 5; ++k)
+      for (int j = 0; j < 6; ++j)
+        for (int i = 0; i < 9; ++i)
+          // Places of texels' middles are rounded.
+          EXPECT_LT((detail::texel_gradient(texture, {i, j, k}) -
+                     opacity_gradient(texture, texture.middle(i, j, k)))
+                        .norm(),
+                    1e-12);
+  }
+  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {77}};
+  EXPECT_EQ(detail::texel_gradient(one, {0, 0, 0}), Vec3(0, 0, 0));
 }
 
 TEST(VolumeTexture, RepeatsOrEnds) {
