@@ -180,7 +180,7 @@ TEST_P(MovedControlPoints, ChangeDirectorsWithinReachOnly) {
   SubdividedShell updated = build_subdivided_shell(before, options);
   const SubdividedShell old = updated;
   PolygonSoup after = before;
-  for (const Index v : {6 * 13 + 6, 6 * 13 + 7})
+  for (const Index v : {Index{6 * 13 + 6}, Index{6 * 13 + 7}})
     after.positions[static_cast<std::size_t>(v)] += Vec3(0.1, 0, 0.3);
   update_subdivided_shell(updated, after, options);
 
