@@ -55,6 +55,7 @@ Json layer_to_json(const Shell& shell, const std::optional<ShellLayer>& layer) {
           {"contacts_before", layer->contacts_before},
           {"shortened", layer->shortened},
           {"is_of_normals", layer->is_of_normals},
+          {"hexahedra", layer->hexahedra.size()},
           {"repair_rounds", layer->repair_rounds},
           {"evaluations", layer->evaluations},
           {"thickness", {{"min", reached.least}, {"mean", reached.mean}, {"max", reached.most}}}};

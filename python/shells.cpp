@@ -142,6 +142,7 @@ void bind_shells(py::module_& m) {
       .def_property_readonly("contacts_before", [](const BuiltLayer& l) { return l.layer->contacts_before; })
       .def_property_readonly("shortened", [](const BuiltLayer& l) { return l.layer->shortened; })
       .def_property_readonly("is_of_normals", [](const BuiltLayer& l) { return l.layer->is_of_normals; })
+      .def_property_readonly("hexahedra", [](const BuiltLayer& l) { return l.layer->hexahedra.size(); })
       .def_property_readonly("thickness", [](const BuiltLayer& l) {
         const ShellThickness reached = reached_thickness(*l.shell, *l.layer);
         return py::make_tuple(reached.least, reached.mean, reached.most);

@@ -1,4 +1,4 @@
-// Where rays meet what is in a prism.
+// Where rays meet what is in a cell.
 #include <recede/geometry/bilinear_patch.h>
 #include <recede/geometry/detail/hashed_number.h>
 #include <recede/render/detail/volume_look.h>
@@ -14,14 +14,14 @@ namespace recede::detail {
 using Vec3f = Eigen::Vector3f;
 using Matrix3 = Eigen::Matrix3d;
 
-Vec3 VolumePrism::follow(const VolumeRay& ray, double distance, PrismPlace& place) const {
-  constexpr double k_exact = 1e-6;  // of the triangle's sides and the height
+Vec3 LayerCell::follow(const VolumeRay& ray, double distance, CellPlace& place) const {
+  constexpr double k_exact = 1e-6;  // of the face's sides and the height
   const Vec3 target = ray.at(distance);
   Matrix3 inverse = jacobian(place).inverse();
   for (int round = 0; round < 4; ++round) {
     const Vec3 off = inverse * (target - point(place));
     if (!off.allFinite()) break;
-    // Far from the solution a full step may leave the prism by much.
+    // Far from the solution a full step may leave the cell by much.
     const double damping = std::min(1.0, 0.5 / std::max(off.cwiseAbs().maxCoeff(), 1e-300));
     place.u += damping * off.x();
     place.v += damping * off.y();
@@ -32,19 +32,18 @@ Vec3 VolumePrism::follow(const VolumeRay& ray, double distance, PrismPlace& plac
   return inverse * ray.direction;
 }
 
-int VolumeLook::find_passages(const VolumePrism& prism, const VolumeRay& ray, PrismPassages& passages) const {
+int VolumeLook::find_passages(const LayerCell& cell, const VolumeRay& ray, CellPassages& passages) const {
   struct Meeting {
     double distance;
     bool enters;
-    PrismPlace place;
-    PrismPassage::Side side;
+    CellPlace place;
+    CellPassage::Side side;
   };
-  std::array<Meeting, 10> meetings;
+  std::array<Meeting, 12> meetings;
   std::size_t n = 0;
   const PatchRay line(ray.origin, ray.direction);
   const double turned = is_inward_ ? -1 : 1;
-  const auto add = [&](const BilinearPatch& patch, double outwards, PrismPassage::Side side,
-                       auto&& place_of) {
+  const auto add = [&](const BilinearPatch& patch, double outwards, CellPassage::Side side, auto&& place_of) {
     const PatchHits hits = line.all_hits(patch);
     for (int h = 0; h < hits.count; ++h) {
       const PatchHit& hit = hits.hits[static_cast<std::size_t>(h)];
@@ -52,28 +51,29 @@ int VolumeLook::find_passages(const VolumePrism& prism, const VolumeRay& ray, Pr
       meetings[n++] = {hit.t, outwards * turned * normal.dot(ray.direction) < 0, place_of(hit), side};
     }
   };
-  for (std::size_t k = 0; k < 3; ++k) {
-    // From the lower to the higher vertex, so that both prisms at a wall see the same one.
-    const std::size_t next = (k + 1) % 3;
-    const bool is_along = prism.vertices[k] < prism.vertices[next];
+  for (std::size_t k = 0; k < cell.n_corners; ++k) {
+    // From the lower to the higher vertex, so that both cells at a wall see the same one.
+    const std::size_t next = (k + 1) % cell.n_corners;
+    const bool is_along = cell.vertices[k] < cell.vertices[next];
     const std::size_t low = is_along ? k : next, high = is_along ? next : k;
-    const BilinearPatch wall{prism.corner(low, 0), prism.corner(high, 0), prism.corner(low, 1),
-                             prism.corner(high, 1)};
-    const bool is_border = ((borders_[prism.primitive] >> k) & 1) != 0;
-    add(wall, is_along ? 1 : -1, is_border ? PrismPassage::Side::border : PrismPassage::Side::wall,
+    const BilinearPatch wall{cell.corner(low, 0), cell.corner(high, 0), cell.corner(low, 1),
+                             cell.corner(high, 1)};
+    const bool is_border = ((borders_[cell.primitive] >> k) & 1) != 0;
+    const FacePlace from = corner_place(cell.n_corners, low), to = corner_place(cell.n_corners, high);
+    add(wall, is_along ? 1 : -1, is_border ? CellPassage::Side::border : CellPassage::Side::wall,
         [&](const PatchHit& hit) {
-          std::array<double, 3> weights{0, 0, 0};
-          weights[low] = 1 - hit.u;
-          weights[high] = hit.u;
-          return PrismPlace{weights[1], weights[2], hit.v};
+          const double left = 1 - hit.u;
+          return CellPlace{{left * from.u + hit.u * to.u, left * from.v + hit.u * to.v}, hit.v};
         });
   }
+  // A triangle is a patch whose last side has no length.
+  const bool is_triangle = cell.n_corners == 3;
   for (const double height : {0.0, 1.0}) {
-    const BilinearPatch end{prism.corner(0, height), prism.corner(1, height), prism.corner(2, height),
-                            prism.corner(2, height)};
-    add(end, height > 0 ? 1 : -1, height > 0 ? PrismPassage::Side::top : PrismPassage::Side::bottom,
+    const BilinearPatch end{cell.corner(0, height), cell.corner(1, height),
+                            cell.corner(is_triangle ? 2 : 3, height), cell.corner(2, height)};
+    add(end, height > 0 ? 1 : -1, height > 0 ? CellPassage::Side::top : CellPassage::Side::bottom,
         [&](const PatchHit& hit) {
-          return PrismPlace{(1 - hit.v) * hit.u, hit.v, height};
+          return CellPlace{{is_triangle ? (1 - hit.v) * hit.u : hit.u, hit.v}, height};
         });
   }
   std::sort(meetings.begin(), meetings.begin() + static_cast<std::ptrdiff_t>(n),
@@ -89,16 +89,16 @@ int VolumeLook::find_passages(const VolumePrism& prism, const VolumeRay& ray, Pr
   return count;
 }
 
-Matrix3 VolumeLook::smooth_frame(const VolumePrism& prism, const PrismPlace& place) const {
-  const std::array<double, 3> weights{1 - place.u - place.v, place.u, place.v};
+Matrix3 VolumeLook::smooth_frame(const LayerCell& cell, const CellPlace& place) const {
+  const FaceWeights weights = weights_at(cell.n_corners, place);
   Matrix3 frame = Matrix3::Zero();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Frame& corner = frames_[3 * prism.primitive + k];
+  for (std::size_t k = 0; k < cell.n_corners; ++k) {
+    const Frame& corner = frames_[cells_[cell.primitive].corners[k]];
     frame.col(0) += weights[k] * ((1 - place.height) * corner.bottom_s.cast<double>() +
                                   place.height * corner.top_s.cast<double>());
     frame.col(1) += weights[k] * ((1 - place.height) * corner.bottom_t.cast<double>() +
                                   place.height * corner.top_t.cast<double>());
-    frame.col(2) += weights[k] * prism.directors[k];
+    frame.col(2) += weights[k] * cell.directors[k];
   }
   return frame;
 }
@@ -114,26 +114,25 @@ Vec3 turned_to_space(const Matrix3& frame, const Vec3& gradient) {
 
 }  // namespace
 
-Vec3f VolumeLook::outward(const VolumePrism& prism, const PrismPlace& place, const Vec3& gradient) const {
-  Vec3 normal = -turned_to_space(smooth_frame(prism, place), gradient);
-  if (!(normal.squaredNorm() > 0)) return end_normal(prism, place, 1);
+Vec3f VolumeLook::outward(const LayerCell& cell, const CellPlace& place, const Vec3& gradient) const {
+  Vec3 normal = -turned_to_space(smooth_frame(cell, place), gradient);
+  if (!(normal.squaredNorm() > 0)) return end_normal(cell, place, 1);
   return normal.stableNormalized().cast<float>();
 }
 
 // Of the layer's end at the surface or the tops.
-Vec3f VolumeLook::end_normal(const VolumePrism& prism, const PrismPlace& place, double height) const {
-  const Matrix3 frame = smooth_frame(prism, {place.u, place.v, height});
+Vec3f VolumeLook::end_normal(const LayerCell& cell, const CellPlace& place, double height) const {
+  const Matrix3 frame = smooth_frame(cell, {{place.u, place.v}, height});
   Vec3 normal = frame.col(0).cross(frame.col(1));
-  const Vec3 flat = (prism.corner(1, height) - prism.corner(0, height))
-                        .cross(prism.corner(2, height) - prism.corner(0, height));
+  const Vec3 flat = cell.normal(height);
   if (!(normal.squaredNorm() > 0)) normal = flat;
-  // Texture coordinates may be mirrored; the triangle never is.
+  // Texture coordinates may be mirrored; the face never is.
   if (normal.dot(flat) < 0) normal = -normal;
   const bool is_outside = (height > 0) != is_inward_;
   return (is_outside ? normal : Vec3(-normal)).stableNormalized().cast<float>();
 }
 
-void VolumeLook::set_crossing(const PrismPlace& place, double distance, Crossing& crossing) const {
+void VolumeLook::set_crossing(const CellPlace& place, double distance, Crossing& crossing) const {
   crossing.distance = distance;
   crossing.u = static_cast<float>(place.u);
   crossing.v = static_cast<float>(place.v);
@@ -147,15 +146,15 @@ struct OpacityOnRay {
 
 /// Regula falsi (Illinois) between a place outside and one inside: the distance of the surface, and its
 /// place.
-double narrow(const VolumePrism& prism, const VolumeRay& ray, const VolumeTexture& texture,
-              OpacityOnRay outside, OpacityOnRay inside, PrismPlace& place) {
+double narrow(const LayerCell& cell, const VolumeRay& ray, const VolumeTexture& texture, OpacityOnRay outside,
+              OpacityOnRay inside, CellPlace& place) {
   constexpr int k_rounds = 5;
   constexpr double k_exact = 1e-4;  // a fortieth of a step of opacity
   double distance = inside.distance, below = outside.opacity - 0.5, above = inside.opacity - 0.5;
   for (int round = 0; round < k_rounds && above > 0; ++round) {
     distance = outside.distance + (inside.distance - outside.distance) * below / (below - above);
-    prism.follow(ray, distance, place);
-    const double off = sampled_opacity(texture, prism.texture(place)) - 0.5;
+    cell.follow(ray, distance, place);
+    const double off = sampled_opacity(texture, cell.texture(place)) - 0.5;
     if (off >= 0) {
       inside.distance = distance;
       above = off;
@@ -172,24 +171,24 @@ double narrow(const VolumePrism& prism, const VolumeRay& ray, const VolumeTextur
 
 }  // namespace
 
-// Where a ray comes in, matter may reach the prism's side: the layer ends there, or goes on in the prism
+// Where a ray comes in, matter may reach the cell's side: the layer ends there, or goes on in the cell
 // beside.
-Vec3f VolumeLook::entry_normal(const VolumePrism& prism, const VolumeRay& ray, PrismPassage::Side side,
-                               const VolumeTexture& texture, const PrismPlace& place) const {
+Vec3f VolumeLook::entry_normal(const LayerCell& cell, const VolumeRay& ray, CellPassage::Side side,
+                               const VolumeTexture& texture, const CellPlace& place) const {
   switch (side) {
-    case PrismPassage::Side::bottom:
-      return end_normal(prism, place, 0);
-    case PrismPassage::Side::top:
-      return end_normal(prism, place, 1);
-    case PrismPassage::Side::border:
+    case CellPassage::Side::bottom:
+      return end_normal(cell, place, 0);
+    case CellPassage::Side::top:
+      return end_normal(cell, place, 1);
+    case CellPassage::Side::border:
       return -ray.direction.cast<float>();
-    case PrismPassage::Side::wall:
+    case CellPassage::Side::wall:
       break;
   }
-  return outward(prism, place, opacity_gradient(texture, prism.texture(place)));
+  return outward(cell, place, opacity_gradient(texture, cell.texture(place)));
 }
 
-bool VolumeLook::meet_surface(const VolumePrism& prism, const VolumeRay& ray, const PrismPassage& passage,
+bool VolumeLook::meet_surface(const LayerCell& cell, const VolumeRay& ray, const CellPassage& passage,
                               int level, double least, double most, Crossing& crossing) const {
   const VolumeTexture& texture = texture_->surfaces[static_cast<std::size_t>(level)];
   const Vec3& slopes = slopes_[static_cast<std::size_t>(level)];
@@ -197,29 +196,29 @@ bool VolumeLook::meet_surface(const VolumePrism& prism, const VolumeRay& ray, co
   // A ray that starts inside starts at a surface, which it mustn't meet at once.
   const bool starts_inside = passage.from < least;
   double distance = std::max(passage.from, least);
-  PrismPlace place = passage.start;
-  Vec3 step = prism.follow(ray, distance, place);
+  CellPlace place = passage.start;
+  Vec3 step = cell.follow(ray, distance, place);
   bool was_outside = false;
   double before = distance, opacity_before = 0;
   constexpr int k_most_steps = 100'000;
   for (int n = 0; n < k_most_steps; ++n) {
-    const double opacity = sampled_opacity(texture, prism.texture(place));
+    const double opacity = sampled_opacity(texture, cell.texture(place));
     if (opacity >= 0.5 && was_outside) {
-      distance = narrow(prism, ray, texture, {before, opacity_before}, {distance, opacity}, place);
+      distance = narrow(cell, ray, texture, {before, opacity_before}, {distance, opacity}, place);
       if (distance >= most) return false;
       set_crossing(place, distance, crossing);
-      crossing.front = outward(prism, place, opacity_gradient(texture, prism.texture(place)));
+      crossing.front = outward(cell, place, opacity_gradient(texture, cell.texture(place)));
       return true;
     }
     if (opacity >= 0.5 && n == 0 && !starts_inside) {
       if (distance >= most) return false;
       set_crossing(place, distance, crossing);
-      crossing.front = entry_normal(prism, ray, passage.side, texture, place);
+      crossing.front = entry_normal(cell, ray, passage.side, texture, place);
       return true;
     }
     if (opacity < 0.5) was_outside = true;
     if (distance >= passage.to || distance >= most) return false;
-    const Vec3 texels = prism.texture_step(step).cwiseProduct(size).cwiseAbs();
+    const Vec3 texels = cell.texture_step(place, step).cwiseProduct(size).cwiseAbs();
     const double fastest = texels.maxCoeff(), rate = texels.dot(slopes);
     double length = fastest > 0 ? 0.5 / fastest : passage.to - distance;
     // As far as opacity needs to get to a half with the steepest slope that there is.
@@ -233,12 +232,12 @@ bool VolumeLook::meet_surface(const VolumePrism& prism, const VolumeRay& ray, co
     place.u += length * step.x();
     place.v += length * step.y();
     place.height += length * step.z();
-    step = prism.follow(ray, distance, place);
+    step = cell.follow(ray, distance, place);
   }
   return false;
 }
 
-bool VolumeLook::meet_matter(const VolumePrism& prism, const VolumeRay& ray, const PrismPassage& passage,
+bool VolumeLook::meet_matter(const LayerCell& cell, const VolumeRay& ray, const CellPassage& passage,
                              const Choice& choice, double least, double most, Crossing& crossing) const {
   const TransparentVolume& matter = texture_->transparent[static_cast<std::size_t>(choice.level)];
   const VolumeTexture& finest = texture_->surfaces.front();
@@ -246,14 +245,14 @@ bool VolumeLook::meet_matter(const VolumePrism& prism, const VolumeRay& ray, con
   // Where between texels a ray passes is drawn by lot, which means are linear between texels for.
   const Vec3 shift((hashed_number(ray.key, 1) - 0.5) / size.x(), (hashed_number(ray.key, 2) - 0.5) / size.y(),
                    0);
-  const double stop = hashed_number(ray.key, 3 + std::uint64_t{prism.primitive});
+  const double stop = hashed_number(ray.key, 3 + std::uint64_t{cell.primitive});
   double distance = std::max(passage.from, least);
-  PrismPlace place = passage.start;
-  Vec3 step = prism.follow(ray, distance, place);
+  CellPlace place = passage.start;
+  Vec3 step = cell.follow(ray, distance, place);
   MatterPath path(matter, finest);
   constexpr int k_most_steps = 100'000;
   for (int n = 0; n < k_most_steps && distance < passage.to && distance < most; ++n) {
-    const Vec3 texture_step = prism.texture_step(step), texels = texture_step.cwiseProduct(size);
+    const Vec3 texture_step = cell.texture_step(place, step), texels = texture_step.cwiseProduct(size);
     const double rate = texels.norm();
     const bool is_last = !(MatterPath::k_step < rate * (passage.to - distance));
     const double length = is_last ? passage.to - distance : MatterPath::k_step / rate;
@@ -262,15 +261,15 @@ bool VolumeLook::meet_matter(const VolumePrism& prism, const VolumeRay& ray, con
     place.u += length / 2 * step.x();
     place.v += length / 2 * step.y();
     place.height += length / 2 * step.z();
-    step = prism.follow(ray, distance, place);
-    const double stopped = path.advance(prism.texture(place) + shift, length * texture_step);
+    step = cell.follow(ray, distance, place);
+    const double stopped = path.advance(cell.texture(place) + shift, length * texture_step);
     const MatterCorrection correction = matter.correction_along(path.direction());
     if (1 - std::pow(1 - stopped, correction.density) > stop) {
       if (distance >= most) return false;
       set_crossing(place, distance, crossing);
       const Vec3 mean = correction.normal +
                         mean_normal_along(normal_matrix(matter.normals[path.texel()]), path.direction());
-      const Vec3 normal = turned_to_space(smooth_frame(prism, place), mean.cwiseProduct(finest.extent));
+      const Vec3 normal = turned_to_space(smooth_frame(cell, place), mean.cwiseProduct(finest.extent));
       if (normal.squaredNorm() > 0)
         crossing.front = (mean.norm() * normal.stableNormalized()).cast<float>();
       else
@@ -288,17 +287,17 @@ bool VolumeLook::meet_matter(const VolumePrism& prism, const VolumeRay& ray, con
 
 bool VolumeLook::first_crossing(std::uint32_t primitive, const CrossingQuery& query,
                                 Crossing& crossing) const {
-  const VolumePrism prism = this->prism(primitive);
+  const LayerCell cell = this->cell(primitive);
   const VolumeRay ray(query.origin, query.direction);
   const double least = query.least, most = query.most;
-  PrismPassages passages;
-  const int count = find_passages(prism, ray, passages);
+  CellPassages passages;
+  const int count = find_passages(cell, ray, passages);
   for (int p = 0; p < count; ++p) {
-    const PrismPassage& passage = passages[static_cast<std::size_t>(p)];
+    const CellPassage& passage = passages[static_cast<std::size_t>(p)];
     if (passage.to <= least || passage.from >= most) continue;
     const Choice choice = choose(primitive, ray, std::max(passage.from, least));
-    if (choice.is_matter ? meet_matter(prism, ray, passage, choice, least, most, crossing)
-                         : meet_surface(prism, ray, passage, choice.level, least, most, crossing))
+    if (choice.is_matter ? meet_matter(cell, ray, passage, choice, least, most, crossing)
+                         : meet_surface(cell, ray, passage, choice.level, least, most, crossing))
       return true;
   }
   return false;

@@ -1,6 +1,7 @@
 #include <recede/geometry/detail/hashed_number.h>
 #include <recede/render/detail/tracing.h>
 #include <recede/render/detail/volume_look.h>
+#include <recede/shells/detail/shell_cell.h>
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/volume_sampler.h>
 
@@ -58,13 +59,37 @@ VolumeLook::VolumeLook(const PlacedVolume& placed, const Vec3& center, double sc
   }
   triangles_ = base.corner_vertices;
   for (const Vec2& uv : base.corner_uvs) places_.push_back(placed.textured.coordinates.of(uv));
-  borders_.resize(n_primitives());
-  for (const Index corner : find_open_sides(base.positions.size(), triangles_))
-    borders_[corner / 3] = static_cast<std::uint8_t>(borders_[corner / 3] | (1u << (corner % 3)));
+  set_cells(*placed.textured.shell, layer);
   for (const VolumeTexture& level : texture_->surfaces) slopes_.push_back(steepest_slopes(level));
   if (view_) view_->eye = (view_->eye - center) * scale;
   set_frames();
   set_texels();
+}
+
+void VolumeLook::set_cells(const Shell& shell, const ShellLayer& layer) {
+  const auto n_triangles = static_cast<std::uint32_t>(triangles_.size() / 3);
+  auto quad = layer.hexahedra.begin();
+  for (std::uint32_t t = 0; t < n_triangles; ++t) {
+    if (quad != layer.hexahedra.end() && *quad == t) {
+      cells_.push_back({quad_corners(triangles_, t), 4});
+      ++quad;
+      ++t;
+    } else {
+      cells_.push_back({{3 * t, 3 * t + 1, 3 * t + 2, 0}, 3});
+    }
+  }
+  std::vector<std::uint8_t> is_open(triangles_.size(), 0);
+  for (const Index corner : find_open_sides(shell.base.positions.size(), triangles_)) is_open[corner] = 1;
+  for (const CellCorners& cell : cells_) {
+    std::uint8_t borders = 0;
+    for (std::uint32_t k = 0; k < cell.n; ++k) {
+      // Of a quad's second side the corner is that of the other triangle.
+      const std::uint32_t begins =
+          cell.n == 4 && k == 1 ? previous_in_triangle(cell.corners[2]) : cell.corners[k];
+      borders = static_cast<std::uint8_t>(borders | (is_open[begins] << k));
+    }
+    borders_.push_back(borders);
+  }
 }
 
 void VolumeLook::Frame::add(float weight, const Frame& other) {
@@ -95,22 +120,23 @@ void VolumeLook::set_frames() {
   const auto key = [&](std::uint32_t c) { return std::tuple(triangles_[c], places_[c].x(), places_[c].y()); };
   std::sort(order.begin(), order.end(),
             [&](std::uint32_t a, std::uint32_t b) { return std::tuple(key(a), a) < std::tuple(key(b), b); });
-  std::vector<Frame> of_triangles(n_primitives());
-  std::vector<float> areas(n_primitives());
-  for (std::uint32_t t = 0; t < n_primitives(); ++t) {
-    const VolumePrism prism = this->prism(t);
-    const double det = prism.st_u.x() * prism.st_v.y() - prism.st_u.y() * prism.st_v.x();
+  const std::size_t n_triangles = triangles_.size() / 3;
+  std::vector<Frame> of_triangles(n_triangles);
+  std::vector<float> areas(n_triangles);
+  for (std::uint32_t t = 0; t < n_triangles; ++t) {
+    const LayerCell prism = this->prism(t);
+    const Vec2 st_u = prism.st[1] - prism.st[0], st_v = prism.st[2] - prism.st[0];
+    const double det = st_u.x() * st_v.y() - st_u.y() * st_v.x();
     if (det == 0) continue;
     const auto along = [&](double height, int axis) {
       const Vec3 u = prism.corner(1, height) - prism.corner(0, height),
                  v = prism.corner(2, height) - prism.corner(0, height);
-      return axis == 0 ? Vec3((prism.st_v.y() * u - prism.st_u.y() * v) / det)
-                       : Vec3((prism.st_u.x() * v - prism.st_v.x() * u) / det);
+      return axis == 0 ? Vec3((st_v.y() * u - st_u.y() * v) / det)
+                       : Vec3((st_u.x() * v - st_v.x() * u) / det);
     };
     of_triangles[t] = {along(0, 0).cast<float>(), along(0, 1).cast<float>(), along(1, 0).cast<float>(),
                        along(1, 1).cast<float>()};
-    areas[t] = static_cast<float>(
-        (prism.bottoms[1] - prism.bottoms[0]).cross(prism.bottoms[2] - prism.bottoms[0]).norm());
+    areas[t] = static_cast<float>(prism.normal(0).norm());
   }
   // Groups of a vertex, one after the other.
   struct Group {
@@ -148,38 +174,48 @@ void VolumeLook::set_frames() {
 
 void VolumeLook::set_texels() {
   const std::array<int, 3>& size = texture_->surfaces.front().size;
-  for (std::uint32_t t = 0; t < n_primitives(); ++t) {
-    const VolumePrism prism = this->prism(t);
-    const double area =
-        (prism.bottoms[1] - prism.bottoms[0]).cross(prism.bottoms[2] - prism.bottoms[0]).norm();
-    const double texels =
-        std::abs(prism.st_u.x() * prism.st_v.y() - prism.st_u.y() * prism.st_v.x()) * size[0] * size[1];
+  for (std::uint32_t c = 0; c < n_primitives(); ++c) {
+    const LayerCell cell = this->cell(c);
+    const std::size_t last = cell.n_corners - 1;
+    const Vec2 across = cell.st[last - 1] - cell.st[0], back = cell.st[last] - cell.st[last - 2];
+    const double area = cell.normal(0).norm(),
+                 texels = std::abs(across.x() * back.y() - across.y() * back.x()) * size[0] * size[1];
     const double side = texels > 0 ? std::sqrt(area / texels) : std::sqrt(area);
     double height = 0;
-    for (const Vec3& director : prism.directors) height += director.norm() / 3;
+    for (std::size_t k = 0; k < cell.n_corners; ++k)
+      height += cell.directors[k].norm() / static_cast<double>(cell.n_corners);
     footprints_.push_back(static_cast<float>(side));
     texels_.push_back(static_cast<float>(std::min(side, height / size[2])));
   }
 }
 
-VolumePrism VolumeLook::prism(std::uint32_t primitive) const {
-  VolumePrism prism;
-  prism.primitive = primitive;
-  for (std::size_t k = 0; k < 3; ++k) {
-    prism.vertices[k] = triangles_[3 * primitive + k];
-    prism.bottoms[k] = bottoms_[prism.vertices[k]];
-    prism.directors[k] = directors_[prism.vertices[k]];
+LayerCell VolumeLook::cell_of(std::span<const std::uint32_t> corners) const {
+  LayerCell cell;
+  cell.n_corners = corners.size();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    cell.vertices[k] = triangles_[corners[k]];
+    cell.bottoms[k] = bottoms_[cell.vertices[k]];
+    cell.directors[k] = directors_[cell.vertices[k]];
+    cell.st[k] = places_[corners[k]];
   }
-  prism.st = places_[3 * primitive];
-  prism.st_u = places_[3 * primitive + 1] - prism.st;
-  prism.st_v = places_[3 * primitive + 2] - prism.st;
-  return prism;
+  return cell;
+}
+
+LayerCell VolumeLook::cell(std::uint32_t primitive) const {
+  const CellCorners& corners = cells_[primitive];
+  LayerCell cell = cell_of(std::span(corners.corners).first(corners.n));
+  cell.primitive = primitive;
+  return cell;
+}
+
+LayerCell VolumeLook::prism(std::uint32_t triangle) const {
+  return cell_of(std::array{3 * triangle, 3 * triangle + 1, 3 * triangle + 2});
 }
 
 Box3 VolumeLook::bounds(std::uint32_t primitive) const {
-  const VolumePrism prism = this->prism(primitive);
+  const LayerCell cell = this->cell(primitive);
   Box3 box;
-  for (std::size_t k = 0; k < 3; ++k) box.extend(prism.corner(k, 0)).extend(prism.corner(k, 1));
+  for (std::size_t k = 0; k < cell.n_corners; ++k) box.extend(cell.corner(k, 0)).extend(cell.corner(k, 1));
   return box;
 }
 
@@ -198,18 +234,18 @@ VolumeLook::Choice VolumeLook::choose(std::uint32_t primitive, const VolumeRay& 
 Rgb VolumeLook::color_at(const Hit& hit, const Vec3f& direction) const {
   const VolumeTexture& finest = texture_->surfaces.front();
   if (finest.colors.empty()) return color_;
-  const VolumePrism prism = this->prism(hit.part.primitive);
+  const LayerCell cell = this->cell(hit.part.primitive);
   const VolumeRay ray(hit.origin, direction);
   const auto distance = static_cast<double>(hit.distance);
-  PrismPlace place{static_cast<double>(hit.u), static_cast<double>(hit.v), 0};
-  const Vec3 bottom = prism.point(place), director = prism.jacobian(place).col(2);
+  CellPlace place{{static_cast<double>(hit.u), static_cast<double>(hit.v)}, 0};
+  const Vec3 bottom = cell.point(place), director = cell.jacobian(place).col(2);
   place.height = std::clamp((ray.at(distance) - bottom).dot(director) / director.squaredNorm(), 0.0, 1.0);
   const Choice choice = choose(hit.part.primitive, ray, distance);
-  const Vec3 at = prism.texture(place);
+  const Vec3 at = cell.texture(place);
   if (!choice.is_matter)
     return sampled_color(texture_->surfaces[static_cast<std::size_t>(choice.level)], at).cast<float>();
   const TransparentVolume& matter = texture_->transparent[static_cast<std::size_t>(choice.level)];
-  const Vec3 step = prism.texture_step(prism.follow(ray, distance, place));
+  const Vec3 step = cell.texture_step(place, cell.follow(ray, distance, place));
   const Vec3 factors = matter.correction_along(step.cwiseProduct(finest.extent).stableNormalized()).color;
   const Vec3 color = linear_color(number_of(matter.colors[matter.texel_at(at, finest.is_periodic)]));
   return factors.cwiseProduct(color).cast<float>();

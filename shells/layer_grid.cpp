@@ -1,5 +1,6 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
+#include <recede/shells/detail/shell_cell.h>
 #include <recede/shells/layer_grid.h>
 #include <recede/shells/volume_texture.h>
 
@@ -49,6 +50,30 @@ struct FlatTriangle {
   }
 };
 
+/// Where in a quad with these corners a place is: none where it isn't found.
+std::optional<Vec2> along_quad(const std::array<Vec2, 4>& corners, const Vec2& place) {
+  constexpr int k_most_steps = 32;
+  constexpr double k_exact = 1e-12;  // of the quad's sides
+  Vec2 along(0.5, 0.5);
+  for (int step = 0; step < k_most_steps; ++step) {
+    const detail::FacePlace at{along.x(), along.y()};
+    const detail::FaceWeights weights = detail::weights_at(4, at);
+    const auto [u, v] = detail::weight_steps_at(4, at);
+    Vec2 off = place;
+    Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      off -= weights[k] * corners[k];
+      jacobian.col(0) += u[k] * corners[k];
+      jacobian.col(1) += v[k] * corners[k];
+    }
+    const Vec2 move = jacobian.inverse() * off;
+    if (!move.allFinite()) return {};
+    along += move;
+    if (move.cwiseAbs().maxCoeff() <= k_exact) return along;
+  }
+  return {};
+}
+
 const ShellLayer& layer_on(const Shell* shell, ShellSide side) {
   if (!shell) throw InputError("a grid needs a shell");
   if (side == ShellSide::envelope) throw OptionError("a grid fills one layer: the exterior or interior one");
@@ -77,6 +102,7 @@ LayerGrid::LayerGrid(std::shared_ptr<const Shell> shell, ShellSide side, const s
   check_texels(size);
   check_coordinates(shell_->base);
   set_columns();
+  set_quads();
   set_texel_sides();
 }
 
@@ -122,6 +148,26 @@ void LayerGrid::set_columns() {
   }
 }
 
+void LayerGrid::set_quads() {
+  std::vector<Index> quads(shell_->base.n_faces(), k_no_index);
+  for (const Index quad : layer_->hexahedra) quads[quad] = quads[quad + 1] = quad;
+  for (int j = 0; j < size_[1]; ++j) {
+    for (int i = 0; i < size_[0]; ++i) {
+      Column& at = columns_[static_cast<std::size_t>(j) * static_cast<std::size_t>(size_[0]) +
+                            static_cast<std::size_t>(i)];
+      if (!at.is_in_chart || quads[at.triangle] == k_no_index) continue;
+      const std::array<Index, 4> corners =
+          detail::quad_corners(shell_->base.corner_vertices, quads[at.triangle]);
+      std::array<Vec2, 4> uvs;
+      for (std::size_t k = 0; k < 4; ++k) uvs[k] = shell_->base.corner_uvs[corners[k]];
+      const std::optional<Vec2> along = along_quad(uvs, {(i + 0.5) / size_[0], (j + 0.5) / size_[1]});
+      if (!along) continue;
+      at.quad = quads[at.triangle];
+      at.along_quad = *along;
+    }
+  }
+}
+
 void LayerGrid::set_texel_sides() {
   const PolygonSoup& base = shell_->base;
   texel_sides_.assign(base.positions.size(), 0);
@@ -163,7 +209,16 @@ void LayerGrid::set_texel_sides() {
 
 Vec3 LayerGrid::point(int i, int j, int k) const {
   const Column& at = column(i, j);
-  return shell_point(*shell_, *layer_, {at.triangle, at.weights, (k + 0.5) / size_[2]});
+  const double height = (k + 0.5) / size_[2];
+  if (at.quad == k_no_index) return shell_point(*shell_, *layer_, {at.triangle, at.weights, height});
+  const std::array<Index, 4> corners = detail::quad_corners(shell_->base.corner_vertices, at.quad);
+  const detail::FaceWeights weights = detail::weights_at(4, {at.along_quad.x(), at.along_quad.y()});
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Index v = shell_->base.corner_vertices[corners[c]];
+    sum += weights[c] * ((1 - height) * shell_->base.positions[v] + height * layer_->tops[v]);
+  }
+  return sum;
 }
 
 double LayerGrid::texel_side(int i, int j) const {
@@ -177,10 +232,33 @@ double LayerGrid::texel_side(int i, int j) const {
   return side / sum;
 }
 
+// In a hexahedron: space over texture.
+double LayerGrid::quad_volume(const Column& at, double height) const {
+  const std::array<Index, 4> corners = detail::quad_corners(shell_->base.corner_vertices, at.quad);
+  const detail::FacePlace place{at.along_quad.x(), at.along_quad.y()};
+  const detail::FaceWeights weights = detail::weights_at(4, place);
+  const auto [u, v] = detail::weight_steps_at(4, place);
+  Eigen::Matrix3d space = Eigen::Matrix3d::Zero();
+  Eigen::Matrix2d texture = Eigen::Matrix2d::Zero();
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Index vertex = shell_->base.corner_vertices[corners[c]];
+    const Vec3 director = layer_->tops[vertex] - shell_->base.positions[vertex];
+    const Vec3 point = shell_->base.positions[vertex] + height * director;
+    space.col(0) += u[c] * point;
+    space.col(1) += v[c] * point;
+    space.col(2) += weights[c] * director;
+    texture.col(0) += u[c] * shell_->base.corner_uvs[corners[c]];
+    texture.col(1) += v[c] * shell_->base.corner_uvs[corners[c]];
+  }
+  return std::abs(space.determinant() / texture.determinant());
+}
+
 double LayerGrid::texel_volume(int i, int j, int k) const {
   const Column& at = column(i, j);
   if (!at.is_in_chart) return 0;
   const double height = (k + 0.5) / size_[2];
+  const double texels = static_cast<double>(size_[0]) * size_[1] * size_[2];
+  if (at.quad != k_no_index) return quad_volume(at, height) / texels;
   std::array<Vec3, 3> corners;
   Vec3 up = Vec3::Zero();
   Eigen::Matrix2d texture;
@@ -194,7 +272,6 @@ double LayerGrid::texel_volume(int i, int j, int k) const {
   texture.col(0) = uvs[3 * at.triangle + 1] - uvs[3 * at.triangle];
   texture.col(1) = uvs[3 * at.triangle + 2] - uvs[3 * at.triangle];
   const double space = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(up);
-  const double texels = static_cast<double>(size_[0]) * size_[1] * size_[2];
   return std::abs(space / texture.determinant()) / texels;
 }
 

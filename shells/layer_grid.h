@@ -20,6 +20,9 @@ class LayerGrid {
     Index triangle = k_no_index;  ///< none: there is no layer
     bool is_in_chart = false;     ///< the middle is in the triangle, not around it
     Vec3 weights = Vec3::Zero();  ///< of the triangle's corners, below 0 outside of it
+    /// In a hexahedron: the first of its two triangles, and how far along the quad's sides, 0 to 1.
+    Index quad = k_no_index;
+    Vec2 along_quad = Vec2::Zero();
   };
 
   /// Coordinates are those of the shell's base. Throws `InputError` for a shell without the layer or without
@@ -48,7 +51,9 @@ class LayerGrid {
 
  private:
   void set_columns();
+  void set_quads();
   void set_texel_sides();
+  double quad_volume(const Column& at, double height) const;
 
   std::shared_ptr<const Shell> shell_;
   const ShellLayer* layer_;

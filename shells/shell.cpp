@@ -1,5 +1,6 @@
 #include <recede/geometry/detail/nearest_points.h>
 #include <recede/geometry/error.h>
+#include <recede/shells/detail/hexahedra.h>
 #include <recede/shells/detail/shell_building.h>
 #include <recede/shells/detail/shell_directors.h>
 #include <recede/shells/detail/shell_normals.h>
@@ -113,6 +114,18 @@ void interpolate_directors(const Shell& shell, const LevelInterpolation& between
   }
 }
 
+// The first of the two triangles of each quad.
+std::vector<Index> quads_of(const PolygonSoup& surface) {
+  std::vector<Index> quads;
+  Index triangle = 0;
+  for (std::size_t f = 0; f < surface.n_faces(); ++f) {
+    const auto corners = static_cast<Index>(surface.face(f).size());
+    if (corners == 4) quads.push_back(triangle);
+    triangle += corners - 2;
+  }
+  return quads;
+}
+
 template <typename Visit>
 void each_layer(Shell& shell, ShellSide side, Visit&& visit) {
   if (side != ShellSide::interior) {
@@ -155,9 +168,10 @@ PolygonSoup shell_base_of(const PolygonSoup& surface) {
   return base;
 }
 
-Shell shell_without_layers(PolygonSoup base, const ShellOptions& options) {
+Shell shell_without_layers(const PolygonSoup& surface, const ShellOptions& options) {
   Shell shell;
-  shell.base = std::move(base);
+  shell.base = shell_base_of(surface);
+  shell.quads = quads_of(surface);
   const std::size_t n = shell.base.positions.size();
   check(options, n, bounding_box(shell.base).diagonal().norm());
   shell.thicknesses =
@@ -197,6 +211,7 @@ void build_layers(Shell& shell, std::span<const Index> vertices, const LevelInte
     layer.is_of_normals = options.repair && options.at_least_normals &&
                           options.method != DirectorMethod::normals &&
                           stand_on_normals(seen, shell.thicknesses, side, layer, progress);
+    layer.hexahedra = find_hexahedra(shell, layer, side < 0, progress);
   });
   find_layers_that_meet(shell, progress);
 }
@@ -204,7 +219,7 @@ void build_layers(Shell& shell, std::span<const Index> vertices, const LevelInte
 }  // namespace detail
 
 Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progress* progress) {
-  Shell shell = detail::shell_without_layers(detail::shell_base_of(surface), options);
+  Shell shell = detail::shell_without_layers(surface, options);
   detail::build_layers(shell, all_vertices(shell.base.positions.size()), nullptr, options, progress);
   return shell;
 }

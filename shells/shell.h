@@ -66,11 +66,18 @@ struct ShellLayer {
   int repair_rounds = 0;
   std::size_t evaluations = 0;  ///< of the field
   bool is_of_normals = false;   ///< these took the place of the directors, see `at_least_normals`
+  /// Of `Shell::quads`, those over which textures see one hexahedron instead of two prisms: points are
+  /// trilinear between its corners, so that a texture doesn't bend at a diagonal. In each the Jacobian keeps
+  /// its sign, and the hulls of its bottom and of its top meet nothing but neighbours where they are shared;
+  /// so a valid layer stays valid. Ascending.
+  std::vector<Index> hexahedra{};
 };
 
 struct Shell {
   /// The surface: triangles, with the attributes of the input but its normals and feature edges.
   PolygonSoup base{};
+  /// Of the surface's quads: the first of their two triangles, after which the other one comes. Ascending.
+  std::vector<Index> quads{};
   std::vector<double> thicknesses{};  ///< that were asked for, of each vertex
   std::optional<ShellLayer> exterior{}, interior{};
   /// Of an envelope: triangles of both layers' tops that meet. Of open surfaces, walls of one layer aren't
@@ -86,7 +93,7 @@ struct Shell {
 /// Directors start along the normals, which see all faces of a vertex where a direction does, and follow the
 /// field in steps that turn little; how far they get is what thickness there is room for (`mean_thickness`).
 /// They are straight: the layer's points are those between a triangle and the triangle of the directors'
-/// ends.
+/// ends. Over quads they may be seen as trilinear, too (`ShellLayer::hexahedra`).
 ///
 /// With `repair`, directors of prisms that are inverted or meet others are shortened in rounds, and turned
 /// towards the normals where they lean too far, until `check_shell` finds nothing. Where the surface meets

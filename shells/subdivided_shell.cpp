@@ -37,7 +37,7 @@ SubdividedShell build_subdivided_shell(const PolygonSoup& control, const Subdivi
                                            surface.level - options.interpolated_levels);
   const std::vector<Index> vertices = coarse_points(result.interpolation);
   result.traced = vertices.size();
-  result.shell = detail::shell_without_layers(detail::shell_base_of(surface.soup), options.shell);
+  result.shell = detail::shell_without_layers(surface.soup, options.shell);
   detail::build_layers(result.shell, vertices, &result.interpolation, options.shell, progress);
   return result;
 }

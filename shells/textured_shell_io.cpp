@@ -1,6 +1,8 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/detail/number_bytes.h>
 #include <recede/geometry/error.h>
+#include <recede/shells/detail/hexahedra.h>
+#include <recede/shells/detail/shell_cell.h>
 #include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
@@ -16,7 +18,8 @@ namespace {
 
 // A line of text, then one Zstandard frame with a checksum. In it all numbers are little-endian: counts of 32
 // bits, lengths as doubles, texels as bytes.
-constexpr std::string_view k_head = "recede textured shell 1\n";
+constexpr std::string_view k_head = "recede textured shell 2\n";
+constexpr std::string_view k_first_head = "recede textured shell 1\n";  // without quads
 constexpr std::uint64_t k_most_bytes = std::uint64_t{1} << 36;  // of a whole file: texels are 2^31 at most
 constexpr int k_level = 3;
 
@@ -95,11 +98,26 @@ void write_shell(Writer& writer, const TexturedShell& textured, const ShellLayer
   writer.vectors(layer.tops);
   for (const double thickness : textured.shell->thicknesses) writer.number(thickness);
   for (const Index v : base.corner_vertices) writer.count(v);
+  writer.count(textured.shell->quads.size());
+  for (const Index quad : textured.shell->quads) writer.count(quad);
   writer.vectors(base.corner_uvs);
   writer.vectors(base.vertex_colors);
 }
 
-std::shared_ptr<const Shell> read_shell(Reader& reader, ShellSide& side, Progress* progress) {
+// Each is a triangle and the next one, on both sides of a diagonal.
+std::vector<Index> read_quads(Reader& reader, const PolygonSoup& base) {
+  const auto n_triangles = static_cast<std::uint32_t>(base.n_faces());
+  std::vector<Index> quads(reader.count(n_triangles / 2));
+  for (std::size_t q = 0; q < quads.size(); ++q) {
+    quads[q] = reader.count(n_triangles - 1);
+    const bool is_behind = q == 0 || quads[q] >= quads[q - 1] + 2;
+    if (!is_behind || quads[q] + 1 >= n_triangles || !detail::is_quad(base.corner_vertices, quads[q]))
+      reader.refuse("what is no quad");
+  }
+  return quads;
+}
+
+std::shared_ptr<const Shell> read_shell(Reader& reader, bool has_quads, ShellSide& side, Progress* progress) {
   constexpr std::uint32_t k_most = 0xfffffffe / 3;
   auto shell = std::make_shared<Shell>();
   PolygonSoup& base = shell->base;
@@ -120,6 +138,7 @@ std::shared_ptr<const Shell> read_shell(Reader& reader, ShellSide& side, Progres
     for (Index& v : triangle) v = reader.count(n_vertices - 1);
     base.add_face(triangle);
   }
+  if (has_quads) shell->quads = read_quads(reader, base);
   base.corner_uvs = reader.vectors<Vec2>(3 * std::size_t{n_triangles});
   if (has_colors) base.vertex_colors = reader.vectors<Vec4>(n_vertices);
   validate(base, reader.name());
@@ -127,6 +146,7 @@ std::shared_ptr<const Shell> read_shell(Reader& reader, ShellSide& side, Progres
   options.is_inward = side == ShellSide::interior;
   layer.validity = check_shell(base.positions, layer.tops, base.corner_vertices, options, progress);
   layer.is_valid_elsewhere = layer.validity.is_valid();
+  layer.hexahedra = detail::find_hexahedra(*shell, layer, options.is_inward, progress);
   (options.is_inward ? shell->interior : shell->exterior) = std::move(layer);
   return shell;
 }
@@ -156,7 +176,7 @@ VolumeTexture read_texture(Reader& reader) {
 }
 
 std::string unpacked(const std::string& bytes, const std::string& name) {
-  if (!std::string_view(bytes).starts_with(k_head))
+  if (!std::string_view(bytes).starts_with(k_head) && !std::string_view(bytes).starts_with(k_first_head))
     throw InputError::in_file(name, "this is no textured shell");
   const char* frame = bytes.data() + k_head.size();
   const std::size_t n = bytes.size() - k_head.size();
@@ -197,9 +217,10 @@ void write_textured_shell(const std::filesystem::path& path, const TexturedShell
 TexturedShell read_textured_shell(const std::filesystem::path& path, const ReadShellOptions& options,
                                   Progress* progress) {
   const std::string name = path.string();
-  Reader reader(unpacked(read_whole_file(path), name), name);
+  const std::string bytes = read_whole_file(path);
+  Reader reader(unpacked(bytes, name), name);
   TexturedShell textured;
-  textured.shell = read_shell(reader, textured.side, progress);
+  textured.shell = read_shell(reader, bytes.starts_with(k_head), textured.side, progress);
   for (Vec2* pair : {&textured.coordinates.repeat, &textured.coordinates.offset})
     for (double& x : *pair) x = reader.number();
   try {

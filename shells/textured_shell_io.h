@@ -7,10 +7,10 @@
 
 namespace recede {
 
-/// The base's triangles with texture coordinates and vertex colours, the layer's tops, and the finest texture
-/// with its coordinates, compressed (Zstandard). Materials, scalars and another layer of the shell aren't
-/// kept. The same bytes for the same shell. Throws `InputError` for what `TexturedShell::layer` refuses and
-/// files that can't be written.
+/// The base's triangles, which of them are halves of quads, with texture coordinates and vertex colours, the
+/// layer's tops, and the finest texture with its coordinates, compressed (Zstandard). Materials, scalars and
+/// another layer of the shell aren't kept. The same bytes for the same shell. Throws `InputError` for what
+/// `TexturedShell::layer` refuses and files that can't be written.
 void write_textured_shell(const std::filesystem::path& path, const TexturedShell& textured);
 
 struct ReadShellOptions {

@@ -462,6 +462,9 @@ class ShellLayer:
     def is_of_normals(self) -> bool:
         """Plain normals took the place of directors that got shorter"""
     @property
+    def hexahedra(self) -> int:
+        """Quads over which textures see one hexahedron instead of two prisms"""
+    @property
     def thickness(self) -> tuple[float, float, float]:
         """Least, mean and most, as shares of what was asked for"""
 

@@ -1,18 +1,19 @@
 // Volume textures in shells as rays meet them.
 #pragma once
 
+#include <recede/render/detail/layer_cell.h>
 #include <recede/render/detail/user_geometry.h>
-#include <recede/render/detail/volume_prism.h>
 #include <recede/render/shell_volume.h>
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace recede::detail {
 
 struct Hit;
 
-/// A primitive for each triangle of the shell's base: the prism over it.
+/// A primitive for each cell of the layer: a hexahedron, or the prism over a triangle.
 class VolumeLook {
  public:
   /// `scale` and `center` are those of the scene.
@@ -20,12 +21,12 @@ class VolumeLook {
   VolumeLook(const VolumeLook&) = delete;
   VolumeLook& operator=(const VolumeLook&) = delete;
 
-  std::size_t n_primitives() const { return triangles_.size() / 3; }
+  std::size_t n_primitives() const { return cells_.size(); }
   /// In the scaled scene.
   Box3 bounds(std::uint32_t primitive) const;
 
-  /// u and v are weights of the triangle's second and third corner; `front` leads outwards, and of
-  /// transparent matter is the mean, not unit.
+  /// u and v are those of `FacePlace`; `front` leads outwards, and of transparent matter is the mean, not
+  /// unit.
   bool first_crossing(std::uint32_t primitive, const CrossingQuery& query, Crossing& crossing) const;
 
   Rgb color_at(const Hit& hit, const Eigen::Vector3f& direction) const;
@@ -38,8 +39,8 @@ class VolumeLook {
     bool is_matter;
     int level;
   };
-  // Five sides are met ten times at most.
-  using PrismPassages = std::array<PrismPassage, 5>;
+  // Six sides are met twelve times at most.
+  using CellPassages = std::array<CellPassage, 6>;
   // Of a corner: how places move for steps in s and in t, at the surface and at the top.
   struct Frame {
     Eigen::Vector3f bottom_s{0, 0, 0}, bottom_t{0, 0, 0}, top_s{0, 0, 0}, top_t{0, 0, 0};
@@ -51,19 +52,23 @@ class VolumeLook {
 
   void set_frames();
   void set_texels();
-  VolumePrism prism(std::uint32_t primitive) const;
-  int find_passages(const VolumePrism& prism, const VolumeRay& ray, PrismPassages& passages) const;
+  void set_cells(const Shell& shell, const ShellLayer& layer);
+  LayerCell cell(std::uint32_t primitive) const;
+  /// The prism over a triangle, whether it is a cell or not.
+  LayerCell prism(std::uint32_t triangle) const;
+  LayerCell cell_of(std::span<const std::uint32_t> corners) const;
+  int find_passages(const LayerCell& cell, const VolumeRay& ray, CellPassages& passages) const;
   Choice choose(std::uint32_t primitive, const VolumeRay& ray, double distance) const;
-  bool meet_surface(const VolumePrism& prism, const VolumeRay& ray, const PrismPassage& passage, int level,
+  bool meet_surface(const LayerCell& cell, const VolumeRay& ray, const CellPassage& passage, int level,
                     double least, double most, Crossing& crossing) const;
-  bool meet_matter(const VolumePrism& prism, const VolumeRay& ray, const PrismPassage& passage,
+  bool meet_matter(const LayerCell& cell, const VolumeRay& ray, const CellPassage& passage,
                    const Choice& choice, double least, double most, Crossing& crossing) const;
-  Eigen::Matrix3d smooth_frame(const VolumePrism& prism, const PrismPlace& place) const;
-  Eigen::Vector3f outward(const VolumePrism& prism, const PrismPlace& place, const Vec3& gradient) const;
-  Eigen::Vector3f end_normal(const VolumePrism& prism, const PrismPlace& place, double height) const;
-  Eigen::Vector3f entry_normal(const VolumePrism& prism, const VolumeRay& ray, PrismPassage::Side side,
-                               const VolumeTexture& texture, const PrismPlace& place) const;
-  void set_crossing(const PrismPlace& place, double distance, Crossing& crossing) const;
+  Eigen::Matrix3d smooth_frame(const LayerCell& cell, const CellPlace& place) const;
+  Eigen::Vector3f outward(const LayerCell& cell, const CellPlace& place, const Vec3& gradient) const;
+  Eigen::Vector3f end_normal(const LayerCell& cell, const CellPlace& place, double height) const;
+  Eigen::Vector3f entry_normal(const LayerCell& cell, const VolumeRay& ray, CellPassage::Side side,
+                               const VolumeTexture& texture, const CellPlace& place) const;
+  void set_crossing(const CellPlace& place, double distance, Crossing& crossing) const;
 
   std::shared_ptr<const VolumeMipmap> texture_;
   bool is_inward_ = false;
@@ -72,9 +77,14 @@ class VolumeLook {
   std::vector<std::uint32_t> triangles_;   // three vertices each
   std::vector<Vec2> places_;               // (s, t) of corners
   std::vector<Frame> frames_;              // of corners
+  struct CellCorners {
+    std::array<std::uint32_t, 4> corners{0, 0, 0, 0};  // of triangles
+    std::uint32_t n = 3;
+  };
+  std::vector<CellCorners> cells_;
   std::vector<float> texels_,
-      footprints_;                     // of triangles: shortest side of a texel, mean one along the surface
-  std::vector<std::uint8_t> borders_;  // of triangles: bit k, no neighbour beyond the side from corner k
+      footprints_;                     // of cells: shortest side of a texel, mean one along the surface
+  std::vector<std::uint8_t> borders_;  // of cells: bit k, no neighbour beyond the side from corner k
   std::vector<Vec3> slopes_;           // of levels of surfaces: most that opacity changes for a texel
   std::optional<VolumeView> view_;     // in the scaled scene
 };

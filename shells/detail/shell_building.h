@@ -12,8 +12,8 @@ namespace recede::detail {
 /// Triangles with the attributes of the polygons. Throws `InputError`.
 PolygonSoup shell_base_of(const PolygonSoup& surface);
 
-/// Over that base, with thicknesses and no layers. Throws `OptionError`.
-Shell shell_without_layers(PolygonSoup base, const ShellOptions& options);
+/// Over that surface, with thicknesses and no layers. Throws `InputError` and `OptionError`.
+Shell shell_without_layers(const PolygonSoup& surface, const ShellOptions& options);
 
 /// `base` has the shell's triangles with other positions of `changed` and takes the place of its base.
 /// Returns the vertices whose directors may be other ones. Throws as `update_shell`.
@@ -21,7 +21,8 @@ std::vector<Index> move_shell_base(Shell& shell, PolygonSoup base, std::span<con
                                    const ShellOptions& options);
 
 /// Directors of `vertices` are traced and those of others stay, or stand `between` the ones of their means
-/// when that is given: shares of their own thicknesses. Then layers are repaired.
+/// when that is given: shares of their own thicknesses. Then layers are repaired, and
+/// hexahedra found.
 void build_layers(Shell& shell, std::span<const Index> vertices, const LevelInterpolation* between,
                   const ShellOptions& options, Progress* progress);
 

@@ -13,6 +13,9 @@ namespace recede::detail {
 /// The next corner of a corner's triangle.
 inline Index next_in_triangle(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
+/// The one before it.
+inline Index previous_in_triangle(Index corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
 /// Corners from which a side that only one triangle has runs to the next corner of the triangle; ascending.
 std::vector<Index> find_open_sides(std::size_t n_vertices, std::span<const Index> triangles);
 

@@ -35,6 +35,7 @@ TEST(ShellCommand, KeepsDirectorsOnDemand) {
   const nlohmann::json thick = json_of(run_recede(arguments))["interior"];
   EXPECT_TRUE(thick["is_of_normals"]);
   EXPECT_NEAR(thick["thickness"]["mean"], 1, 1e-9);
+  EXPECT_EQ(thick["hexahedra"], 6);
   arguments.push_back("--keep-directors");
   const nlohmann::json thin = json_of(run_recede(arguments))["interior"];
   EXPECT_FALSE(thin["is_of_normals"]);

@@ -83,6 +83,32 @@ TEST(ShellVolume, HasNoSeamsBetweenPrisms) {
   EXPECT_LE(differ, camera.width * camera.height / 500);
 }
 
+// Over a quad that is wider on one side a texture is bilinear, as over many small quads between its sides;
+// cut into two prisms it bends at the diagonal.
+TEST(ShellVolume, DoesNotBendOverQuads) {
+  const auto trapezoid = [](int n) {
+    PolygonSoup base = square(n);
+    for (Vec3& p : base.positions) p.x() *= 0.65 - 0.35 * p.y();
+    return base;
+  };
+  const VolumeTexture texture = make_volume(weave(), 32);
+  const Camera camera{.position = {0.1, -0.4, 4}, .target = {0, 0, 0}, .width = 120, .height = 120};
+  const auto differing = [&](const PolygonSoup& base, const Image& other) {
+    const Image image = picture(placed(base, texture, 0.2, {4, 4}), camera, 1);
+    int differ = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x)
+        differ += (image.at(x, y) - other.at(x, y)).cwiseAbs().maxCoeff() > 0.1f;
+    return differ;
+  };
+  const Image fine = picture(placed(trapezoid(32), texture, 0.2, {4, 4}), camera, 1);
+  const Shell cut = build_shell(trapezoid(1), {.thickness = 0.2});
+  // Rays that just touch a thread may miss or meet it; frames are interpolated over longer ways.
+  const int of_quad = differing(trapezoid(1), fine), of_prisms = differing(cut.base, fine);
+  EXPECT_LE(of_quad, camera.width * camera.height / 100);
+  EXPECT_GT(of_prisms, camera.width * camera.height / 10);
+}
+
 // Two textures in one layer show what the larger opacity of both does, and one moves by its coordinates
 // alone.
 TEST(ShellVolume, TwoTexturesInALayerAreTheirUnion) {

@@ -40,6 +40,8 @@ TEST(TexturedShellFile, HoldsWhatWasWritten) {
       EXPECT_EQ(read.shell->base.positions, written.shell->base.positions);
       EXPECT_EQ(read.shell->base.corner_vertices, written.shell->base.corner_vertices);
       EXPECT_EQ(read.shell->base.corner_uvs, written.shell->base.corner_uvs);
+      EXPECT_EQ(read.shell->quads, written.shell->quads);
+      EXPECT_EQ(read.layer().hexahedra, written.layer().hexahedra);
       EXPECT_EQ(read.shell->base.vertex_colors, written.shell->base.vertex_colors);
       EXPECT_EQ(read.shell->thicknesses, written.shell->thicknesses);
       EXPECT_EQ(read.layer().tops, written.layer().tops);
@@ -87,6 +89,27 @@ class Payload {
  private:
   std::string head_, content_;
 };
+
+// Files of the first version know no quads.
+TEST(TexturedShellFile, IsReadAsItWasWrittenBefore) {
+  const TempFolder folder;
+  const TexturedShell written = textured(ShellSide::exterior, true);
+  write_textured_shell(folder / "a.shell", written);
+  Payload payload(read_whole_file(folder / "a.shell"));
+  const std::size_t n_vertices = written.shell->base.positions.size(),
+                    n_triangles = written.shell->base.n_faces(), n_quads = written.shell->quads.size();
+  ASSERT_GT(n_quads, 0u);
+  payload.content().erase(16 + 7 * 8 * n_vertices + 12 * n_triangles, 4 + 4 * n_quads);
+  std::string file = payload.file();
+  file.replace(file.find("shell 2"), 7, "shell 1");
+  write_file_atomically(folder / "b.shell", file);
+  const TexturedShell read = read_textured_shell(folder / "b.shell", {.make_mipmap = false});
+  EXPECT_EQ(read.shell->base.corner_uvs, written.shell->base.corner_uvs);
+  EXPECT_EQ(read.layer().tops, written.layer().tops);
+  EXPECT_EQ(read.texture->surfaces.front().colors, written.texture->surfaces.front().colors);
+  EXPECT_TRUE(read.shell->quads.empty());
+  EXPECT_TRUE(read.layer().hexahedra.empty());
+}
 
 // The checksum is right, the numbers are not: each file is read or refused, whatever they say.
 TEST(TexturedShellFile, IsReadOrRefusedWhateverItsNumbersAre) {
