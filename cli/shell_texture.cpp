@@ -18,7 +18,8 @@ ProceduralVolume procedural(const ShellTextureOptions& options) {
   if (options.name == "chain-mail") return chain_mail();
   if (options.name == "weave") return weave();
   if (options.name == "bark") return bark({.seed = options.seed});
-  return bubbles({.seed = options.seed, .time = options.time});
+  if (options.name == "bushes") return bushes({.seed = options.seed, .growth = options.time.value_or(1)});
+  return bubbles({.seed = options.seed, .time = options.time.value_or(0)});
 }
 
 }  // namespace
@@ -27,9 +28,10 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
   const auto group = "Texture";
   CLI::Option* texture = command.add_option(
       "--texture", options.name,
-      "fills the layer, for an output that ends in .shell: chain-mail, weave, bark, bubbles, or "
+      "fills the layer, for an output that ends in .shell: chain-mail, weave, bark, bubbles, bushes, or "
       "solid or empty for recede carve");
-  texture->check(CLI::IsMember({"chain-mail", "weave", "bark", "bubbles", "solid", "empty"}))->group(group);
+  texture->check(CLI::IsMember({"chain-mail", "weave", "bark", "bubbles", "bushes", "solid", "empty"}))
+      ->group(group);
   command
       .add_option("--periods", options.periods,
                   "of the texture across the texture coordinates from 0 to 1 (10); along t as many as keep "
@@ -49,10 +51,13 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
       ->check(CLI::Range(1, 4096))
       ->needs(texture)
       ->group(group);
-  command.add_option("--texture-seed", options.seed, "of bark and bubbles (1)")->needs(texture)->group(group);
+  command.add_option("--texture-seed", options.seed, "of bark, bubbles and bushes (1)")
+      ->needs(texture)
+      ->group(group);
   command
       .add_option("--texture-time", options.time,
-                  "of bubbles, in lives of a bubble: pictures of an animation (0)")
+                  "pictures of an animation: of bubbles, in lives of a bubble (0); how far bushes have "
+                  "grown, to 1 (1)")
       ->needs(texture)
       ->group(group);
 }

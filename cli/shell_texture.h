@@ -12,7 +12,7 @@ struct ShellTextureOptions {
   std::optional<int> texels;
   int layers = 16;  ///< of `empty` and `solid`, texels along r
   std::uint32_t seed = 1;
-  double time = 0;
+  std::optional<double> time;
 };
 /// Adds `--texture` and what belongs to it.
 void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options);

@@ -53,6 +53,7 @@ ProceduralVolume volume_named(const std::string& name) {
   if (name == "weave") return weave();
   if (name == "bark") return bark();
   if (name == "bubbles") return bubbles();
+  if (name == "bushes") return bushes();
   throw OptionError("there is no texture " + name);
 }
 

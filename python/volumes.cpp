@@ -33,12 +33,17 @@ ProceduralVolume procedural(const std::string& name, const py::dict& from) {
   read(from, "seed", liquid.seed);
   read(from, "bubbles", liquid.bubbles);
   read(from, "time", liquid.time);
-  enum class Kind { chain_mail, weave, bark, bubbles };
+  BushOptions plants;
+  read(from, "seed", plants.seed);
+  read(from, "bushes", plants.bushes);
+  read(from, "growth", plants.growth);
+  enum class Kind { chain_mail, weave, bark, bubbles, bushes };
   switch (choice<Kind>("name", name,
                        {{"chain-mail", Kind::chain_mail},
                         {"weave", Kind::weave},
                         {"bark", Kind::bark},
-                        {"bubbles", Kind::bubbles}})) {
+                        {"bubbles", Kind::bubbles},
+                        {"bushes", Kind::bushes}})) {
     case Kind::chain_mail:
       return chain_mail(mail);
     case Kind::weave:
@@ -46,9 +51,11 @@ ProceduralVolume procedural(const std::string& name, const py::dict& from) {
     case Kind::bark:
       return bark(plates);
     case Kind::bubbles:
+      return bubbles(liquid);
+    case Kind::bushes:
       break;
   }
-  return bubbles(liquid);
+  return bushes(plants);
 }
 
 Texture make_named(const std::string& name, int texels, const py::dict& from, py::object progress) {

@@ -54,4 +54,15 @@ struct BubbleOptions {
 /// A liquid of which bubbles rise, for animations: a texture for each time.
 ProceduralVolume bubbles(const BubbleOptions& options = {});
 
+struct BushOptions {
+  std::uint32_t seed = 1;
+  int bushes = 4;                                                   ///< in a period, at least 1
+  double growth = 1;                                                ///< 0: bare ground, 1: full-grown
+  Vec3 wood_color{0.42, 0.31, 0.22}, leaf_color{0.35, 0.52, 0.20};  ///< sRGB-encoded
+};
+
+/// Bushes with leaves, for animations: a texture for each growth. Branches get longer and thicker, and others
+/// begin where their ends came by.
+ProceduralVolume bushes(const BushOptions& options = {});
+
 }  // namespace recede

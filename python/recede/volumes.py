@@ -16,14 +16,15 @@ if TYPE_CHECKING:
 
 
 def make_volume(name: str | None = None, *, texels: int = 64, seed: int = 1, time: float = 0, wire: float = 0.17,
-                thread: float = 0.26, cracks: float = 0.8, bubbles: int = 40, opacity: npt.ArrayLike | None = None,
+                thread: float = 0.26, cracks: float = 0.8, bubbles: int = 40, bushes: int = 4,
+                growth: float = 1, opacity: npt.ArrayLike | None = None,
                 colors: npt.ArrayLike | None = None, extent: Sequence[float] = (1, 1, 1), periodic: bool = True,
                 ramp: float = 0, progress: Progress | None = None) -> VolumeTexture:
     """A grid of opacity for the layer of a shell; what it shows is the surface on which opacity is a half.
 
     By `name`: "chain-mail" (rings of radius 1 from `wire`), "weave" (`thread` over the distance of threads), "bark"
-    (`seed`, `cracks` as a share of the height) or "bubbles" (`seed`, how many, and the `time` in lives of a bubble, for
-    animations), with `texels` along s for a period.
+    (`seed`, `cracks` as a share of the height), "bubbles" (`seed`, how many, and the `time` in lives of a bubble, for
+    animations) or "bushes" (`seed`, how many, and their `growth` from 0 to 1), with `texels` along s for a period.
 
     Or from arrays: `opacity`, r x t x s bytes or truths or floats from 0 to 1, and perhaps `colors`, r x t x s x 3 bytes,
     sRGB-encoded. `extent` has the lengths along s, t and r; `periodic` volumes repeat along s and t. Opacity goes from 0
@@ -34,7 +35,8 @@ def make_volume(name: str | None = None, *, texels: int = 64, seed: int = 1, tim
     if (name is None) == (opacity is None):
         raise OptionError("a volume is made by a name or of an array of opacity")
     if name is not None:
-        settings = {"seed": seed, "time": time, "wire": wire, "thread": thread, "cracks": cracks, "bubbles": bubbles}
+        settings = {"seed": seed, "time": time, "wire": wire, "thread": thread, "cracks": cracks, "bubbles": bubbles,
+                    "bushes": bushes, "growth": growth}
         return _recede.named_volume(name, texels, settings, progress)
     return _recede.volume_from_arrays(_bytes(opacity), None if colors is None else np.asarray(colors, dtype=np.uint8),
                                       extent, periodic, ramp)

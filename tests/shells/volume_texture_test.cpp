@@ -115,7 +115,8 @@ TEST(VolumeTexture, RefusesWhatItCannotHold) {
 TEST(ProceduralVolume, ChangesNoFasterThanPlacesDo) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> number(0, 1);
-  for (const ProceduralVolume& volume : {chain_mail(), weave(), bubbles({.time = 0.3})}) {
+  for (const ProceduralVolume& volume :
+       {chain_mail(), weave(), bubbles({.time = 0.3}), bushes(), bushes({.growth = 0.4})}) {
     for (int n = 0; n < 2000; ++n) {
       const Vec3 a = Vec3(number(random), number(random), number(random)).cwiseProduct(volume.extent);
       const Vec3 b = a + 0.02 * Vec3(number(random) - 0.5, number(random) - 0.5, number(random) - 0.5);
@@ -128,7 +129,7 @@ TEST(ProceduralVolume, ChangesNoFasterThanPlacesDo) {
 TEST(ProceduralVolume, GoesOnAcrossPeriods) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> number(0, 1);
-  for (const ProceduralVolume& volume : {chain_mail(), weave(), bark(), bubbles({.time = 7.9})}) {
+  for (const ProceduralVolume& volume : {chain_mail(), weave(), bark(), bubbles({.time = 7.9}), bushes()}) {
     for (int n = 0; n < 500; ++n) {
       const Vec3 a = Vec3(number(random), number(random), number(random)).cwiseProduct(volume.extent);
       for (int axis = 0; axis < 2; ++axis) {
@@ -137,6 +138,30 @@ TEST(ProceduralVolume, GoesOnAcrossPeriods) {
       }
     }
   }
+}
+
+// What has grown stays, and there is more of it; nothing is apart from what stands on the ground.
+TEST(ProceduralVolume, BushesGrow) {
+  std::vector<std::uint8_t> before;
+  std::size_t matter_before = 0;
+  for (const double growth : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+    const VolumeTexture texture = make_volume(bushes({.bushes = 1, .growth = growth}), 48);
+    std::vector<std::uint8_t> now(texture.n_texels());
+    std::size_t matter = 0, lost = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      now[i] = texture.opacity[i] >= 128;
+      matter += now[i];
+      lost += !before.empty() && before[i] > now[i];
+    }
+    EXPECT_EQ(matter == 0, growth == 0);
+    EXPECT_GE(matter, matter_before);
+    // Leaves move on with their stalks' ends as they unfold.
+    EXPECT_LE(20 * lost, matter_before + 20);
+    before = now;
+    matter_before = matter;
+  }
+  EXPECT_THROW(bushes({.bushes = 0}), OptionError);
+  EXPECT_THROW(bushes({.growth = 1.5}), OptionError);
 }
 
 // A ring is one body, and bodies of neighbours don't touch.
