@@ -55,7 +55,7 @@ FieldErrors errors_of(const PolygonSoup& surface, std::span<const Vec3> points,
 
 void add_openings(const BenchOptions& options, BenchSection& section) {
   const BillboardModel model = billboard_model(options, "bunny00");
-  const std::vector<Vec3> points = points_near(model.soup, 400, 0.005, 0.1);
+  const std::vector<Vec3> points = points_near(model.soup, 4000, 0.005, 0.1);
   const std::vector<LpValue> exact =
       LpDistance(model.soup, {.opening = std::numeric_limits<double>::infinity()}).at(points);
   section.markdown += fmt::format(

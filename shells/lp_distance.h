@@ -91,7 +91,11 @@ class LpDistance {
   /// Throws `InputError` for a point that isn't finite, or farther away than 1e50 times the surface's size.
   /// Of a source of points, those that are bit for bit the point asked for are left out.
   LpValue at(const Vec3& point) const;
-  /// The same for many points, in parallel. Throws `InputError` as above, and `Cancelled`.
+  /// The same for many points, in parallel, and in an order of their own in which the next is near. For p = 3
+  /// over triangles without `error`, values are those above up to rounding, as parts are summed up in another
+  /// order; else they have the same bits. A point's value doesn't depend on the others. With AVX-512, at 4000
+  /// points around a scan of 75 000 triangles, half a million a second and core. Throws `InputError` as
+  /// above, and `Cancelled`.
   std::vector<LpValue> at(std::span<const Vec3> points, Progress* progress = nullptr) const;
 
   double area() const;  ///< of all triangles, object units squared

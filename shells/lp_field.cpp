@@ -156,11 +156,11 @@ LpField::LpField(const PolygonSoup& soup, const LpDistanceOptions& options)
   tree_ = LpTree(
       elements_of(surface, options.source),
       {options.p, options.expansion == LpExpansion::quadrupole, options.opening, options.error.value_or(0)});
-  for (const double area : surface.areas) area_ += area;
-  area_ = std::ldexp(area_, -2 * frame_.exponent);
+  for (const double area : surface.areas) mass_ += area;
+  area_ = std::ldexp(mass_, -2 * frame_.exponent);
   if (options.p != 3) nearest_ = nearest_of(surface, options.source);
-  const bool has_packets = options.p == 3 && options.source == LpSource::triangles && !options.error;
-  if (has_packets && std::isfinite(support_)) fades_ = fades_of(tree_, support_);
+  is_together_ = options.p == 3 && options.source == LpSource::triangles && !options.error;
+  if (is_together_ && std::isfinite(support_)) fades_ = fades_of(tree_, support_);
 }
 
 LpQuery LpField::query_of(const Vec3& point) const {
@@ -193,18 +193,25 @@ LpValue LpField::at(const Vec3& point) const {
 }
 
 void LpField::at_each(std::span<const Vec3> points, std::span<LpValue> values) const {
-  if (fades_.empty()) {
+  if (!is_together_) {
     for (std::size_t i = 0; i < points.size(); ++i) values[i] = at(points[i]);
     return;
   }
   constexpr std::size_t k_at_once = 8;
   std::array<LpQuery, k_at_once> queries;
   std::array<LpSums, k_at_once> sums;
+  const std::size_t room = fades_.empty() ? tree_.nodes.size() + k_lp_visits_ahead : 0;
+  const auto visits = std::make_unique_for_overwrite<LpVisit[]>(room);
+  const LpArrays arrays{tree_.nodes.data(), tree_.extents.data(), tree_.blocks.data(), nullptr};
   for (std::size_t first = 0; first < points.size(); first += k_at_once) {
     const std::size_t n = std::min(k_at_once, points.size() - first);
     for (std::size_t i = 0; i < n; ++i) queries[i] = query_of(points[first + i]);
-    lp_kernel().sum_packet({tree_.nodes.data(), tree_.extents.data(), tree_.blocks.data(), nullptr},
-                           fades_.data(), queries.data(), static_cast<int>(n), sums.data());
+    if (fades_.empty()) {
+      lp_kernel().sum_each(arrays, queries.data(), static_cast<int>(n), visits.get(), sums.data());
+      for (LpSums& of_one : sums) of_one.area = mass_;
+    } else {
+      lp_kernel().sum_packet(arrays, fades_.data(), queries.data(), static_cast<int>(n), sums.data());
+    }
     for (std::size_t i = 0; i < n; ++i) values[first + i] = value_of(sums[i], 1);
   }
 }

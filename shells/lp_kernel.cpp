@@ -9,7 +9,8 @@ const LpKernel& lp_kernel() {
   static const bool has_avx512 = __builtin_cpu_supports("avx512f") != 0;
   static const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
   // A single point has no use for more than four lanes.
-  static const LpKernel widest = {k_lp_kernel_avx2.sum, k_lp_kernel_avx512.sum_packet};
+  static const LpKernel widest = {k_lp_kernel_avx2.sum, k_lp_kernel_avx512.sum_packet,
+                                  k_lp_kernel_avx512.sum_each};
   if (has_avx512 && has_avx2) return widest;
   if (has_avx2) return k_lp_kernel_avx2;
 #endif

@@ -109,8 +109,9 @@ class Builder {
 
  private:
   static LpNode empty_node() {
-    // Nothing, and so far away that no query is there, where 0 times infinity would be something.
-    constexpr double k_nowhere = 1e150;
+    // Nothing, and so far away that no query is there, where 0 times infinity would be something; near enough
+    // for distances of four children to be multiplied.
+    constexpr double k_nowhere = 1e60;
     LpNode node{};
     std::fill(std::begin(node.center[0]), std::end(node.center[0]), k_nowhere);
     std::fill(std::begin(node.squared_reach), std::end(node.squared_reach), -1.0);

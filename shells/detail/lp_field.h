@@ -21,8 +21,8 @@ class LpField {
  public:
   LpField(const PolygonSoup& surface, const LpDistanceOptions& options);
   LpValue at(const Vec3& point) const;
-  /// At points near to each other: within a support many times as fast, and up to rounding the same. The
-  /// values don't depend on which points are asked for together.
+  /// At points of which the next is near: faster, within a support many times, and up to rounding the same.
+  /// The values don't depend on which points are asked for together.
   void at_each(std::span<const Vec3> points, std::span<LpValue> values) const;
   double area() const { return area_; }
 
@@ -33,8 +33,10 @@ class LpField {
   LpDistanceOptions options_;
   LpFrame frame_;
   double area_ = 0;     // object units
+  double mass_ = 0;     // the same in the frame
   double support_ = 0;  // in the frame
   LpTree tree_;
+  bool is_together_ = false;                         // whether points are summed up together
   std::vector<LpFade> fades_;                        // of the tree's nodes, where packets are summed up
   std::unique_ptr<const ClosestPointTree> nearest_;  // unless p = 3
 };

@@ -77,12 +77,23 @@ struct LpArrays {
   void (*add_leaf)(const LpBlock& block, const LpQuery& query, LpSums& sums);
 };
 
+/// A node that is to be visited, and four lanes for each point that looks into it, as bits.
+struct LpVisit {
+  std::uint32_t node, lanes;
+};
+/// Visits are written before it's known whether they count.
+inline constexpr std::size_t k_lp_visits_ahead = 4;
+
 struct LpKernel {
   LpSums (*sum)(const LpArrays& arrays, const LpQuery& query);
   /// Of triangles for p = 3 and a finite support without bounds, at `n` points that had best be near to each
   /// other. A point's sums don't depend on the others.
   void (*sum_packet)(const LpArrays& arrays, const LpFade* fades, const LpQuery* queries, int n,
                      LpSums* sums);
+  /// Of triangles for p = 3 without support and bounds, but for the area, which is all. Each point had best
+  /// be near to the next; its sums don't depend on the others. `visits` has room for all nodes and
+  /// `k_lp_visits_ahead`.
+  void (*sum_each)(const LpArrays& arrays, const LpQuery* queries, int n, LpVisit* visits, LpSums* sums);
 };
 
 /// The version for this processor. All have the same results.

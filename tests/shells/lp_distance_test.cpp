@@ -362,20 +362,116 @@ TEST(LpDistance, IsNothingOnTheSurface) {
   }
 }
 
-TEST(LpDistance, ManyPointsAreAnsweredAsOneByOneWithAnyNumberOfThreads) {
-  const LpDistance distance(bumpy_ellipsoid(3));
+void expect_same(const LpValue& a, const LpValue& b) {
+  EXPECT_EQ(a.distance, b.distance);
+  EXPECT_EQ(a.gradient, b.gradient);
+}
+
+/// Sums of the same some hundred parts in another order, each off by a few units in the last place. Gradients
+/// are sums of vectors that may cancel, near the surface of longer ones than their sum.
+void expect_same_up_to_rounding(const LpValue& a, const LpValue& b) {
+  if (std::isinf(b.distance)) {
+    EXPECT_EQ(a.distance, b.distance);
+    return;
+  }
+  EXPECT_NEAR(a.distance, b.distance, 1e-12 * b.distance);
+  EXPECT_LT((a.gradient - b.gradient).norm(), 1e-11 * (1 + b.gradient.norm()));
+}
+
+std::vector<Vec3> random_places(std::size_t n, double reach) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> unit(-2, 2);
-  std::vector<Vec3> points(1000);
-  for (Vec3& x : points) x = Vec3(unit(random), unit(random), unit(random));
-  for (const std::size_t threads : {1u, 4u}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const std::vector<LpValue> values = distance.at(points);
-    ASSERT_EQ(values.size(), points.size());
+  std::uniform_real_distribution<double> number(-reach, reach);
+  std::vector<Vec3> places(n);
+  for (Vec3& x : places) x = Vec3(number(random), number(random), number(random));
+  return places;
+}
+
+TEST(LpDistance, ManyPointsAreAnsweredAsOneByOneWithAnyNumberOfThreads) {
+  const std::vector<Vec3> points = random_places(1000, 2);
+  for (const LpDistanceOptions& options :
+       {LpDistanceOptions{}, LpDistanceOptions{.support = 0.8}, LpDistanceOptions{.error = 0.01},
+        LpDistanceOptions{.source = LpSource::points}, LpDistanceOptions{.form = LpForm::averaged},
+        LpDistanceOptions{.expansion = LpExpansion::monopole}}) {
+    const LpDistance distance(bumpy_ellipsoid(3), options);
+    std::vector<LpValue> before;
+    for (const std::size_t threads : {1u, 4u}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      const std::vector<LpValue> values = distance.at(points);
+      ASSERT_EQ(values.size(), points.size());
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        expect_same_up_to_rounding(values[i], distance.at(points[i]));
+        if (!before.empty()) expect_same(values[i], before[i]);
+      }
+      before = values;
+    }
+  }
+}
+
+TEST(LpDistance, OfManyPointsEachHasTheSameBitsWhateverTheOthersAre) {
+  const LpDistance distance(bumpy_ellipsoid(3));
+  const std::vector<Vec3> points = random_places(101, 2);
+  const std::vector<LpValue> together = distance.at(points);
+  std::vector<Vec3> backward(points.rbegin(), points.rend());
+  const std::vector<LpValue> values = distance.at(backward);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    expect_same(values[points.size() - 1 - i], together[i]);
+    expect_same(distance.at(std::span(points).subspan(i, 1)).front(), together[i]);
+  }
+  for (std::size_t n = 0; n <= 20; ++n) {
+    const std::vector<LpValue> few = distance.at(std::span(points).first(n));
+    ASSERT_EQ(few.size(), n);
+    for (std::size_t i = 0; i < n; ++i) expect_same(few[i], together[i]);
+  }
+}
+
+TEST(LpDistance, ManyPointsSeeTheSumOverAllTriangles) {
+  const PolygonSoup surface = bumpy_ellipsoid(2);
+  const std::vector<Vec3> points = random_places(30, 2);
+  const std::vector<LpValue> values = LpDistance(surface, exact()).at(points);
+  std::vector<CubicIntegral> sums(points.size(), CubicIntegral{0, Vec3::Zero()});
+  for (std::size_t f = 0; f < surface.n_faces(); ++f) {
+    const LpDistance triangle(
+        one_triangle(surface.positions[surface.face(f)[0]], surface.positions[surface.face(f)[1]],
+                     surface.positions[surface.face(f)[2]]),
+        exact());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const LpValue one = distance.at(points[i]);
-      EXPECT_EQ(values[i].distance, one.distance);
-      EXPECT_EQ(values[i].gradient, one.gradient);
+      const CubicIntegral part = cubic_integral(triangle.at(points[i]));
+      sums[i].value += part.value;
+      sums[i].gradient += part.gradient;
+    }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const CubicIntegral whole = cubic_integral(values[i]);
+    // Each triangle has a frame of its own, so other rounding of its place; inside gradients cancel.
+    EXPECT_NEAR(whole.value / sums[i].value, 1, 1e-11);
+    EXPECT_LT((whole.gradient - sums[i].gradient).norm(), 1e-10 * sums[i].value * sums[i].value);
+  }
+}
+
+TEST(LpDistance, ManyPointsAreAnsweredAtAnyScaleAndPlace) {
+  // From 1 triangle, a root of one leaf, to 8192; sheets, edges, needles.
+  std::vector<PolygonSoup> shapes = {bumpy_ellipsoid(5), sphere(2), square(1), dihedral(0.3, 1),
+                                     one_triangle(Vec3::Zero(), Vec3(1, 0, 0), Vec3(0.5, 1e-7, 0))};
+  for (const PolygonSoup& shape : shapes) {
+    for (const auto& [scale, offset] : {std::pair(1.0, 0.0), std::pair(1e-9, 0.0), std::pair(1e9, 0.0),
+                                        std::pair(1.0, 1e6), std::pair(1e9, 1e15)}) {
+      PolygonSoup placed = shape;
+      for (Vec3& x : placed.positions) x = scale * x + Vec3::Constant(offset);
+      std::vector<Vec3> points = random_places(37, 1.5);
+      for (Vec3& x : points) x = scale * x + Vec3::Constant(offset);
+      // Far away, and on the surface.
+      for (const double far : {1e3, 1e8, 1e30}) points.push_back(scale * far * Vec3(1, -2, 0.5));
+      points.push_back(placed.positions[0]);
+      points.push_back(0.5 * placed.positions[placed.face(0)[0]] + 0.5 * placed.positions[placed.face(0)[1]]);
+      const std::size_t on_surface = points.size() - 2;
+      const LpDistance distance(placed);
+      const std::vector<LpValue> values = distance.at(points);
+      for (std::size_t i = 0; i < on_surface; ++i)
+        expect_same_up_to_rounding(values[i], distance.at(points[i]));
+      for (std::size_t i = on_surface; i < points.size(); ++i) {
+        EXPECT_LT(values[i].distance, 1e-7 * scale) << "but for rounding of the place";
+        EXPECT_TRUE(values[i].gradient.allFinite());
+      }
     }
   }
 }
@@ -412,6 +508,13 @@ TEST(LpDistance, BadInputIsNamed) {
   EXPECT_TRUE(std::isfinite(LpDistance(good).at(Vec3(1e49, 0, 0)).distance));
   EXPECT_THROW(LpDistance(good).at(Vec3(1e51, 0, 0)), InputError);
   EXPECT_THROW(LpDistance(good).at(Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0)), InputError);
+  for (const double wrong :
+       {1e51, -1e51, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    std::vector<Vec3> points(20, Vec3::UnitZ());
+    points[13].y() = wrong;
+    EXPECT_THROW(LpDistance(good).at(points), InputError);
+  }
+  EXPECT_TRUE(LpDistance(good).at(std::span<const Vec3>()).empty());
 }
 
 }  // namespace

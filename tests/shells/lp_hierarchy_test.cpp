@@ -173,23 +173,34 @@ TEST(LpHierarchy, KernelsForAllProcessorsHaveTheSameBits) {
     }
   }
   const std::vector<Vec3> places = places_around(surface);
-  const double support = 0.8;
-  const std::vector<detail::LpFade> fades = detail::fades_of(tree, support);
-  for (std::size_t first = 0; first + 5 <= places.size(); first += 5) {
-    std::array<detail::LpQuery, 5> queries;
-    for (std::size_t i = 0; i < 5; ++i) {
-      const Vec3& x = places[first + i];
-      queries[i] = {{x.x(), x.y(), x.z()}, 3, 1, support, false, tree.first_order_left_out()};
-    }
-    std::array<detail::LpSums, 5> a, b;
-    detail::k_lp_kernel_baseline.sum_packet(arrays, fades.data(), queries.data(), 5, a.data());
-    detail::lp_kernel().sum_packet(arrays, fades.data(), queries.data(), 5, b.data());
-    for (std::size_t i = 0; i < 5; ++i) {
-      EXPECT_EQ(a[i].integral, b[i].integral);
-      EXPECT_EQ(a[i].gradient[0], b[i].gradient[0]);
-      EXPECT_EQ(a[i].gradient[1], b[i].gradient[1]);
-      EXPECT_EQ(a[i].gradient[2], b[i].gradient[2]);
-      EXPECT_EQ(a[i].area, b[i].area);
+  std::vector<detail::LpVisit> visits(tree.nodes.size() + detail::k_lp_visits_ahead);
+  for (const double support : {0.8, std::numeric_limits<double>::infinity()}) {
+    const std::vector<detail::LpFade> fades = detail::fades_of(tree, support);
+    const auto sum = [&](const detail::LpKernel& kernel, const std::array<detail::LpQuery, 5>& queries) {
+      std::array<detail::LpSums, 5> sums;
+      if (std::isinf(support)) {
+        kernel.sum_each(arrays, queries.data(), 5, visits.data(), sums.data());
+      } else {
+        kernel.sum_packet(arrays, fades.data(), queries.data(), 5, sums.data());
+      }
+      return sums;
+    };
+    for (std::size_t first = 0; first + 5 <= places.size(); first += 5) {
+      std::array<detail::LpQuery, 5> queries;
+      for (std::size_t i = 0; i < 5; ++i) {
+        const Vec3& x = places[first + i];
+        queries[i] = {{x.x(), x.y(), x.z()}, 3, 1, support, false, tree.first_order_left_out()};
+      }
+      const std::array<detail::LpSums, 5> a = sum(detail::k_lp_kernel_baseline, queries),
+                                          b = sum(detail::lp_kernel(), queries);
+      for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_GT(a[i].integral, 0);
+        EXPECT_EQ(a[i].integral, b[i].integral);
+        EXPECT_EQ(a[i].gradient[0], b[i].gradient[0]);
+        EXPECT_EQ(a[i].gradient[1], b[i].gradient[1]);
+        EXPECT_EQ(a[i].gradient[2], b[i].gradient[2]);
+        EXPECT_EQ(a[i].area, b[i].area);
+      }
     }
   }
 }
@@ -198,7 +209,7 @@ TEST(LpHierarchy, PointsAskedForTogetherHaveTheSameBitsInAnyCompany) {
   const PolygonSoup surface = bumpy_ellipsoid(4);
   const std::vector<Vec3> places = places_around(surface);
   // Within the last two the surface counts in part and nowhere in full.
-  for (const double support : {2.0, 0.8, 0.2, 0.03}) {
+  for (const double support : {std::numeric_limits<double>::infinity(), 2.0, 0.8, 0.2, 0.03}) {
     const LpDistanceOptions options{.support = support};
     const detail::LpField field(surface, options);
     std::vector<LpValue> together(places.size()), alone(places.size());

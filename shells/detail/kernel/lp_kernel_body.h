@@ -1,4 +1,5 @@
 // One version of the kernel. The source that includes it defines RECEDE_KERNEL as its name.
+#include <recede/shells/detail/kernel/lp_each.h>
 #include <recede/shells/detail/kernel/lp_packet.h>
 #include <recede/shells/detail/kernel/lp_totals.h>
 #include <recede/shells/detail/lp_kernel.h>
@@ -166,6 +167,6 @@ LpSums sum_all(const LpArrays& arrays, const LpQuery& query) {
 
 }  // namespace
 
-const LpKernel RECEDE_KERNEL = {sum_all, sum_packet};
+const LpKernel RECEDE_KERNEL = {sum_all, sum_packet, sum_each};
 
 }  // namespace recede::detail

@@ -28,7 +28,8 @@ struct LeafTotals {
   void add(const Vector4& x, double support, const LpBlock& block) {
     const Vector4 a = vectors_at(block.corners[0]) - x, b = vectors_at(block.corners[1]) - x,
                   c = vectors_at(block.corners[2]) - x;
-    Integral4 part = integrate_cubic(a, b, c, vectors_at(block.normal), lanes_at(block.twice_area));
+    IntegralLanes<Double4> part =
+        integrate_cubic<FourLanes>(a, b, c, vectors_at(block.normal), lanes_at(block.twice_area));
     Double4 area = lanes_at(block.mass);
     if constexpr (is_weighted) {
       const Double4 third = all4(1.0 / 3);
