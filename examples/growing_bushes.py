@@ -1,6 +1,6 @@
-"""growing_bushes.py OUTPUT.png: bushes grow on a hill, in pictures of an animation side by side.
+"""growing_bushes.py OUTPUT.png [TEXELS]: bushes grow on a hill, in pictures of an animation side by side.
 
-Each picture has its own texture; the shell stays as it is.
+Each picture has its own texture, of TEXELS (128) along a period; the shell stays as it is.
 """
 
 import sys
@@ -22,19 +22,19 @@ def hill(n: int) -> recede.Mesh:
                        vertex_colors=np.tile((0.5, 0.43, 0.35, 1), (len(positions), 1)))
 
 
-def main(output: str) -> None:
-    shell = recede.build_shell(hill(24), relative_thickness=0.07)
+def main(output: str, texels: str = "128") -> None:
+    shell = recede.build_shell(hill(24), relative_thickness=0.09)
     panels = []
     for growth in (0.3, 0.6, 1.0):
-        volume = recede.make_volume("bushes", texels=192, growth=growth)
-        textured = recede.fill_shell(shell, volume, repeat=(4, 4))
-        panels.append(recede.render(textured, eye=(0.5, -1.1, 0.9), look_at=(0.5, 0.45, 0.05), image_width=320,
-                                    up=(0, 0, 1), image_height=240, samples=16))
+        volume = recede.make_volume("bushes", texels=int(texels), bushes=9, growth=growth)
+        textured = recede.fill_shell(shell, volume, repeat=(3, 3))
+        panels.append(recede.render(textured, eye=(0.5, -0.5, 0.62), look_at=(0.5, 0.42, 0.08), image_width=320,
+                                    up=(0, 0, 1), image_height=240, samples=6))
         print(f"growth {growth}: {(volume.opacity >= 128).mean():.4f} of the layer")
     recede.write_image(output, np.concatenate(panels, axis=1))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: growing_bushes.py OUTPUT.png")
-    main(sys.argv[1])
+    if len(sys.argv) not in (2, 3):
+        sys.exit("usage: growing_bushes.py OUTPUT.png [TEXELS]")
+    main(*sys.argv[1:])

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 namespace recede {
@@ -12,7 +13,7 @@ namespace {
 
 // A period is 1 long. Branches of a bush: a stem, and two generations more.
 constexpr double k_thickness = 0.4, k_height = 0.3, k_stem_radius = 0.012;
-constexpr int k_generations = 3, k_children = 5, k_leaves = 4;
+constexpr int k_generations = 3, k_children = 5, k_leaves = 3;
 
 struct Branch {
   Vec3 from, along;  // `along` is a unit direction
@@ -39,11 +40,22 @@ struct Leaf {
   }
 };
 
-struct Bush {
+/// A stem, or a branch with all that grows on it.
+struct Tuft {
   std::vector<Branch> branches;
   std::vector<Leaf> leaves;
   Vec3 middle = Vec3::Zero();  // of a ball around it
   double radius = 0;
+
+  void set_ball() {
+    Box3 box;
+    for (const Branch& branch : branches)
+      box.extend(branch.from).extend(branch.from + branch.length * branch.along);
+    for (const Leaf& leaf : leaves) box.extend(leaf.from);
+    constexpr double k_beyond = 0.05;  // what leaves and branches take around that
+    middle = box.center();
+    radius = box.diagonal().norm() / 2 + k_beyond;
+  }
 };
 
 /// Puts together what has grown until now. Numbers of a branch are the same at any time, so that it only
@@ -52,19 +64,16 @@ class Growing {
  public:
   Growing(std::uint64_t key, double growth) : key_(key), growth_(growth) {}
 
-  Bush at(const Vec3& ground) {
+  /// Adds the parts of a bush.
+  void at(const Vec3& ground, std::vector<Tuft>& tufts) {
     const double height = k_height * (0.75 + 0.25 * number());
-    grow(0, {ground, Vec3(0.3 * (number() - 0.5), 0.3 * (number() - 0.5), 1).normalized(), 0, 0, 0}, height,
-         0);
-    Box3 box;
-    for (const Branch& branch : bush_.branches)
-      box.extend(branch.from).extend(branch.from + branch.length * branch.along);
-    for (const Leaf& leaf : bush_.leaves) box.extend(leaf.from);
-    if (box.isEmpty()) return bush_;
-    constexpr double k_beyond = 0.05;  // what leaves and branches take around that
-    bush_.middle = box.center();
-    bush_.radius = box.diagonal().norm() / 2 + k_beyond;
-    return bush_;
+    const Vec3 up = Vec3(0.3 * (number() - 0.5), 0.3 * (number() - 0.5), 1).normalized();
+    grow(0, {ground, up, 0, 0, 0}, height, 0);
+    for (Tuft& tuft : tufts_) {
+      if (tuft.branches.empty()) continue;
+      tuft.set_ball();
+      tufts.push_back(std::move(tuft));
+    }
   }
 
  private:
@@ -84,7 +93,8 @@ class Growing {
     branch.length = grown * full_length;
     branch.radius = k_stem_radius * grown * std::pow(0.55, generation);
     branch.end_radius = 0.5 * branch.radius;
-    if (branch.length > 0) bush_.branches.push_back(branch);
+    if (generation <= 1) tufts_.emplace_back();
+    if (branch.length > 0) tufts_.back().branches.push_back(branch);
     const bool is_last = generation + 1 == k_generations;
     const int n = is_last ? k_leaves : k_children;
     for (int child = 0; child < n; ++child) {
@@ -109,15 +119,15 @@ class Growing {
     const double size = std::clamp((growth_ - birth) / k_time, 0.0, 1.0);
     const double turn = 6.3 * number();
     if (!(size > 0)) return;
-    Leaf leaf{at, {}, size * 0.04, size * 0.011, size * 0.003};
+    Leaf leaf{at, {}, size * 0.055, size * 0.017, size * 0.006};
     const Vec3 wide = across(direction, turn);
     leaf.axes << direction, wide, direction.cross(wide);
-    bush_.leaves.push_back(leaf);
+    tufts_.back().leaves.push_back(leaf);
   }
 
   std::uint64_t key_, next_ = 0;
   double growth_;
-  Bush bush_;
+  std::vector<Tuft> tufts_;
 };
 
 /// How far inside of branches and of leaves a point is, of the nearest.
@@ -127,19 +137,45 @@ struct Nearest {
   double inside() const { return std::max(branch, leaf); }
 };
 
-Nearest nearest_of(const std::vector<Bush>& bushes, const Vec3& point) {
-  Nearest nearest;
-  for (const Bush& bush : bushes) {
-    if (bush.branches.empty()) continue;
-    Vec3 at = point;
-    for (int axis = 0; axis < 2; ++axis) at[axis] -= std::round(point[axis] - bush.middle[axis]);
-    // All of it is farther than what is near already.
-    if (bush.radius - (at - bush.middle).norm() < nearest.inside()) continue;
-    for (const Branch& branch : bush.branches) nearest.branch = std::max(nearest.branch, branch.inside(at));
-    for (const Leaf& leaf : bush.leaves) nearest.leaf = std::max(nearest.leaf, leaf.inside(at));
+/// A period's, and their copies in all others.
+class Thicket {
+ public:
+  explicit Thicket(std::vector<Tuft> tufts) : tufts_(std::move(tufts)) {}
+
+  Nearest nearest(const Vec3& point) const {
+    // What may be nearest first: most others are farther away than that.
+    std::size_t first = 0;
+    double most = -std::numeric_limits<double>::infinity();
+    for (std::size_t t = 0; t < tufts_.size(); ++t) {
+      const double bound = inside_at_most(tufts_[t], point);
+      if (!(bound > most)) continue;
+      most = bound;
+      first = t;
+    }
+    Nearest nearest;
+    for (std::size_t n = 0; n < tufts_.size(); ++n) {
+      const std::size_t t = n == 0 ? first : n == first ? 0 : n;
+      if (inside_at_most(tufts_[t], point) > nearest.inside()) add(tufts_[t], point, nearest);
+    }
+    return nearest;
   }
-  return nearest;
-}
+
+ private:
+  static Vec3 in_period_of(const Tuft& tuft, Vec3 point) {
+    for (int axis = 0; axis < 2; ++axis) point[axis] -= std::round(point[axis] - tuft.middle[axis]);
+    return point;
+  }
+  static double inside_at_most(const Tuft& tuft, const Vec3& point) {
+    return tuft.radius - (in_period_of(tuft, point) - tuft.middle).norm();
+  }
+  static void add(const Tuft& tuft, const Vec3& point, Nearest& nearest) {
+    const Vec3 at = in_period_of(tuft, point);
+    for (const Branch& branch : tuft.branches) nearest.branch = std::max(nearest.branch, branch.inside(at));
+    for (const Leaf& leaf : tuft.leaves) nearest.leaf = std::max(nearest.leaf, leaf.inside(at));
+  }
+
+  std::vector<Tuft> tufts_;
+};
 
 }  // namespace
 
@@ -149,7 +185,7 @@ ProceduralVolume bushes(const BushOptions& options) {
     throw OptionError("the growth of bushes is from 0 to 1");
   // In a jittered grid, so that they stand apart.
   const int across = static_cast<int>(std::ceil(std::sqrt(options.bushes)));
-  std::vector<Bush> all;
+  std::vector<Tuft> tufts;
   for (int b = 0; b < options.bushes; ++b) {
     const std::uint64_t key = (std::uint64_t{options.seed} << 32) + static_cast<std::uint64_t>(b);
     const auto place = [&](int cell, std::uint64_t which) {
@@ -158,14 +194,15 @@ ProceduralVolume bushes(const BushOptions& options) {
     // Some are older than others.
     const double late = 0.15 * detail::hashed_number(~key, 2);
     const double growth = std::max(0.0, (options.growth - late) / (1 - late));
-    all.push_back(Growing(key, growth).at({place(b % across, 0), place(b / across, 1), 0}));
+    Growing(key, growth).at({place(b % across, 0), place(b / across, 1), 0}, tufts);
   }
   ProceduralVolume volume;
   volume.extent = {1, 1, k_thickness};
+  const auto all = std::make_shared<const Thicket>(std::move(tufts));
   // Where nothing grows yet, all is outside.
-  volume.inside = [all](const Vec3& point) { return std::max(nearest_of(all, point).inside(), -1.0); };
+  volume.inside = [all](const Vec3& point) { return std::max(all->nearest(point).inside(), -1.0); };
   volume.color = [all, wood = options.wood_color, leaves = options.leaf_color](const Vec3& point) {
-    const Nearest nearest = nearest_of(all, point);
+    const Nearest nearest = all->nearest(point);
     return nearest.leaf > nearest.branch ? leaves : wood;
   };
   return volume;

@@ -29,6 +29,12 @@ def test_shell_from_afar(tmp_path):
     assert max(means) / min(means) < 1.04
 
 
+def test_growing_bushes(tmp_path):
+    shares = [float(line.split()[2]) for line in run("growing_bushes.py", tmp_path / "bushes.png", 32).splitlines()]
+    assert len(shares) == 3 and shares == sorted(shares) and shares[0] > 0
+    assert recede.read_image(tmp_path / "bushes.png").shape == (240, 960, 3)
+
+
 def test_simplify_folder(tmp_path):
     recede.write(tmp_path / "ball.ply", recede.make_displaced_sphere(2000))
     assert "ball" in run("simplify_folder.py", tmp_path, tmp_path / "out", 0.01)
