@@ -269,7 +269,7 @@ bool VolumeLook::meet_matter(const VolumePrism& prism, const VolumeRay& ray, con
       if (distance >= most) return false;
       set_crossing(place, distance, crossing);
       const Vec3 mean = correction.normal +
-                        mean_normal_along(normal_matrix(matter.normals[path.texel()]), path.direction());
+                        mean_normal_along(normal_matrix(matter.normals.at(path.texel())), path.direction());
       const Vec3 normal = turned_to_space(smooth_frame(prism, place), mean.cwiseProduct(finest.extent));
       if (normal.squaredNorm() > 0)
         crossing.front = (mean.norm() * normal.stableNormalized()).cast<float>();

@@ -60,7 +60,7 @@ TEST(VolumeTexture, HasTheSameGradientsAtTexels) {
                         .norm(),
                     1e-12);
   }
-  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {77}};
+  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {{1, 1, 1}, 77}};
   EXPECT_EQ(detail::texel_gradient(one, {0, 0, 0}), Vec3(0, 0, 0));
 }
 
@@ -106,9 +106,9 @@ TEST(VolumeTexture, RefusesWhatItCannotHold) {
       },
       ThrowsMessage<InputError>(HasSubstr("not a number at texel (2, 2, 0)")));
   VolumeTexture texture = ball_texture(4);
-  texture.opacity.pop_back();
+  texture.opacity = {{4, 4, 3}, 0};
   EXPECT_THAT([&] { validate(texture, "ball"); },
-              ThrowsMessage<InputError>(HasSubstr("ball: a volume texture of 4 x 4 x 4 has 63 opacities")));
+              ThrowsMessage<InputError>(HasSubstr("ball: a volume texture of 4 x 4 x 4 texels has opacities of 4 x 4 x 3")));
 }
 
 // Distances that are no larger than they should be: rays step by them.

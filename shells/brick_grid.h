@@ -1,0 +1,237 @@
+// Grids of texels that are mostly the same over large parts: in bricks, each content of which is kept once.
+//
+// Lefebvre, Hornus and Neyret 2005, "Octree Textures on the GPU", and Crassin et al. 2009, "GigaVoxels", have
+// bricks in trees; here a flat table leads to them, which costs 9 bytes for 512 texels and a single look.
+#pragma once
+
+#include <recede/geometry/progress.h>
+#include <recede/shells/detail/brick_store.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace recede {
+
+/// Texels from `first` to before `last` along s, t and r.
+struct TexelBox {
+  std::array<int, 3> first{0, 0, 0}, last{0, 0, 0};
+
+  int length(std::size_t axis) const { return last[axis] - first[axis]; }
+  std::size_t n_texels() const {
+    return static_cast<std::size_t>(length(0)) * static_cast<std::size_t>(length(1)) *
+           static_cast<std::size_t>(length(2));
+  }
+};
+
+/// `visit(i, j, k)` of all texels, i fastest.
+template <typename Visit>
+void for_each_texel(const TexelBox& box, Visit&& visit) {
+  for (int k = box.first[2]; k < box.last[2]; ++k)
+    for (int j = box.first[1]; j < box.last[1]; ++j)
+      for (int i = box.first[0]; i < box.last[0]; ++i) visit(i, j, k);
+}
+
+/// Copies share what they hold, which never changes: a grid is edited by making another one.
+template <typename Texel>
+class BrickGrid {
+  static_assert(std::is_trivially_copyable_v<Texel>);
+
+ public:
+  static constexpr int k_side = 8;  ///< texels of a brick along each axis; fewer at a grid's ends
+
+  /// What fills a brick while a grid is made.
+  class Brick {
+   public:
+    const TexelBox& box() const { return box_; }
+    Texel& at(int i, int j, int k) {
+      return texels_[static_cast<std::size_t>(
+          i - box_.first[0] + k_side * (j - box_.first[1] + k_side * (k - box_.first[2])))];
+    }
+    void fill(const Texel& value) { texels_.fill(value); }
+    /// With what a grid of the same size has there.
+    void copy(const BrickGrid& grid) {
+      for (int k = box_.first[2]; k < box_.last[2]; ++k)
+        for (int j = box_.first[1]; j < box_.last[1]; ++j)
+          grid.copy_row(box_.first[0], box_.last[0], j, k, &at(box_.first[0], j, k));
+    }
+
+   private:
+    friend class BrickGrid;
+    TexelBox box_;
+    std::array<Texel, k_side * k_side * k_side> texels_;
+  };
+
+  BrickGrid() = default;
+  /// All texels alike.
+  BrickGrid(const std::array<int, 3>& size, const Texel& value)
+      : BrickGrid(make(size, [&](Brick& brick) { brick.fill(value); })) {}
+
+  /// `fill` gets each brick once, with texels of no meaning, in any order and from several threads; the grid
+  /// doesn't depend on these. Sizes are at least 1. Passes on what `fill` throws, and `Cancelled`.
+  template <typename Fill>
+  static BrickGrid make(const std::array<int, 3>& size, Fill&& fill, Progress* progress = nullptr,
+                        std::string_view stage = {}) {
+    BrickGrid grid;
+    grid.set_size(size);
+    const detail::FillBrick fill_bytes = [&](std::size_t number, std::byte* to) {
+      Brick brick;
+      brick.box_ = grid.box(number);
+      fill(brick);
+      grid.pack(brick, to);
+    };
+    grid.store_ = detail::make_brick_store(grid.n_bricks(), grid.brick_texels(), sizeof(Texel), fill_bytes,
+                                           progress, stage);
+    return grid;
+  }
+
+  /// From a list of all texels, s fastest, then t, then r, as long as the size says.
+  static BrickGrid from_dense(const std::array<int, 3>& size, std::span<const Texel> texels) {
+    const auto row = static_cast<std::size_t>(size[0]), layer = row * static_cast<std::size_t>(size[1]);
+    return make(size, [&](Brick& brick) {
+      for_each_texel(brick.box(), [&](int i, int j, int k) {
+        brick.at(i, j, k) = texels[static_cast<std::size_t>(i) + row * static_cast<std::size_t>(j) +
+                                   layer * static_cast<std::size_t>(k)];
+      });
+    });
+  }
+  /// All texels, s fastest, then t, then r.
+  std::vector<Texel> to_dense() const {
+    std::vector<Texel> texels(n_texels());
+    copy_to({{0, 0, 0}, size_}, texels.data());
+    return texels;
+  }
+
+  const std::array<int, 3>& size() const { return size_; }
+  bool empty() const { return !store_; }
+  std::size_t n_texels() const { return TexelBox{{0, 0, 0}, size_}.n_texels(); }
+  /// Memory of texels and of the table of bricks.
+  std::size_t n_bytes() const { return store_ ? store_->n_bytes() : 0; }
+
+  const Texel& at(int i, int j, int k) const { return brick_texels_at(i, j, k)[place_in_brick(i, j, k)]; }
+  const Texel& at(const std::array<int, 3>& cell) const { return at(cell[0], cell[1], cell[2]); }
+  /// Of the places that two texels span: bit 0 of a corner says which i is whose, bit 1 which j, bit 2 which k.
+  std::array<Texel, 8> corners(const std::array<int, 3>& a, const std::array<int, 3>& b) const {
+    std::array<Texel, 8> texels;
+    const bool is_in_one = (((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) & ~k_low) == 0;
+    if (is_in_one) {
+      const Texel* brick = brick_texels_at(a[0], a[1], a[2]) + place_in_brick(a[0], a[1], a[2]);
+      const std::ptrdiff_t s = b[0] - a[0], t = row_ * (b[1] - a[1]), r = layer_ * (b[2] - a[2]);
+      texels = {brick[0], brick[s], brick[t], brick[s + t], brick[r], brick[s + r], brick[t + r], brick[s + t + r]};
+    } else {
+      for (std::size_t c = 0; c < 8; ++c)
+        texels[c] = at((c & 1) != 0 ? b[0] : a[0], (c & 2) != 0 ? b[1] : a[1], (c & 4) != 0 ? b[2] : a[2]);
+    }
+    return texels;
+  }
+  /// Copies a part of the grid, i fastest, then j, then k.
+  void copy_to(const TexelBox& box, Texel* to) const {
+    for (int k = box.first[2]; k < box.last[2]; ++k)
+      for (int j = box.first[1]; j < box.last[1]; ++j, to += box.length(0))
+        copy_row(box.first[0], box.last[0], j, k, to);
+  }
+
+  /// Bricks are numbered along s, then t, then r.
+  std::size_t n_bricks() const { return counts_[0] * counts_[1] * counts_[2]; }
+  const std::array<std::size_t, 3>& brick_counts() const { return counts_; }
+  std::size_t number_of(const Brick& brick) const {
+    const std::array<int, 3>& first = brick.box().first;
+    return brick_number(first[0] / k_side, first[1] / k_side, first[2] / k_side);
+  }
+  TexelBox box(std::size_t brick) const {
+    const std::array<std::size_t, 3> at{brick % counts_[0], brick / counts_[0] % counts_[1],
+                                        brick / counts_[0] / counts_[1]};
+    TexelBox box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.first[axis] = static_cast<int>(at[axis]) * k_side;
+      box.last[axis] = std::min(size_[axis] - box.first[axis], k_side) + box.first[axis];
+    }
+    return box;
+  }
+  /// What all texels of a brick are, if they are alike.
+  std::optional<Texel> uniform_value(std::size_t brick) const {
+    if (store_->is_uniform[brick] == 0) return std::nullopt;
+    return *static_cast<const Texel*>(store_->bricks[brick]);
+  }
+  /// What all texels in a box are, if the bricks around it are alike.
+  std::optional<Texel> uniform_value(const TexelBox& box) const {
+    std::optional<Texel> value;
+    for (int k = box.first[2] / k_side; k <= (box.last[2] - 1) / k_side; ++k) {
+      for (int j = box.first[1] / k_side; j <= (box.last[1] - 1) / k_side; ++j) {
+        for (int i = box.first[0] / k_side; i <= (box.last[0] - 1) / k_side; ++i) {
+          const std::optional<Texel> here = uniform_value(brick_number(i, j, k));
+          if (!here || (value && !(*here == *value))) return std::nullopt;
+          value = here;
+        }
+      }
+    }
+    return value;
+  }
+
+  /// Whether they hold the same.
+  friend bool operator==(const BrickGrid& a, const BrickGrid& b) {
+    if (a.size_ != b.size_ || a.empty() != b.empty()) return false;
+    if (a.store_ == b.store_) return true;
+    const std::size_t bytes = a.brick_texels() * sizeof(Texel);
+    for (std::size_t brick = 0; brick < a.n_bricks(); ++brick)
+      if (std::memcmp(a.store_->bricks[brick], b.store_->bricks[brick], bytes) != 0) return false;
+    return true;
+  }
+
+ private:
+  static constexpr int k_low = k_side - 1;
+  static_assert((k_side & k_low) == 0);
+
+  void set_size(const std::array<int, 3>& size) {
+    size_ = size;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      counts_[axis] = (static_cast<std::size_t>(size[axis]) + k_low) / k_side;
+    // Of thin grids bricks are as thin.
+    row_ = std::min(size[0], k_side);
+    layer_ = row_ * std::min(size[1], k_side);
+  }
+  std::size_t brick_texels() const { return static_cast<std::size_t>(layer_ * std::min(size_[2], k_side)); }
+  std::size_t brick_number(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           counts_[0] * (static_cast<std::size_t>(j) + counts_[1] * static_cast<std::size_t>(k));
+  }
+  const Texel* brick_texels_at(int i, int j, int k) const {
+    return static_cast<const Texel*>(store_->bricks[brick_number(i / k_side, j / k_side, k / k_side)]);
+  }
+  std::ptrdiff_t place_in_brick(int i, int j, int k) const {
+    return (i & k_low) + row_ * (j & k_low) + layer_ * (k & k_low);
+  }
+  void copy_row(int first, int last, int j, int k, Texel* to) const {
+    for (int i = first; i < last;) {
+      const int end = std::min(last, (i | k_low) + 1);
+      to = std::copy_n(&at(i, j, k), end - i, to);
+      i = end;
+    }
+  }
+  // Beyond the grid's end a brick goes on as there, so that what is alike in the grid is alike in memory.
+  void pack(Brick& brick, std::byte* to) const {
+    const TexelBox& box = brick.box_;
+    for (int k = 0; k < std::min(size_[2], k_side); ++k) {
+      for (int j = 0; j < std::min(size_[1], k_side); ++j) {
+        const int from_j = std::min(box.first[1] + j, box.last[1] - 1),
+                  from_k = std::min(box.first[2] + k, box.last[2] - 1);
+        const Texel* row = &brick.at(box.first[0], from_j, from_k);
+        for (int i = 0; i < row_; ++i, to += sizeof(Texel))
+          std::memcpy(to, row + std::min(i, box.length(0) - 1), sizeof(Texel));
+      }
+    }
+  }
+
+  std::array<int, 3> size_{0, 0, 0};
+  std::array<std::size_t, 3> counts_{0, 0, 0};
+  int row_ = 0, layer_ = 0;  // texels from a row and a layer of a brick to the next
+  std::shared_ptr<const detail::BrickStore> store_;
+};
+
+}  // namespace recede
