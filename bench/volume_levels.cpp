@@ -254,8 +254,8 @@ double opacity_of_rows(const TransparentVolume& level, int axis, double correlat
     for (at[v] = 0; at[v] < level.size[v]; ++at[v]) {
       double opacity = 0;
       for (at[along] = 0; at[along] < level.size[along]; ++at[along])
-        opacity = opacity_in_row(opacity, level.opacity.at(at)[along] / 255.0,
-                                 at[along] == 0 ? 0 : correlation);
+        opacity =
+            opacity_in_row(opacity, level.opacity.at(at)[along] / 255.0, at[along] == 0 ? 0 : correlation);
       sum += opacity;
     }
   }

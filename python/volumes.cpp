@@ -77,8 +77,8 @@ Texture from_arrays(const ByteArray& opacity, const std::optional<ByteArray>& co
   texture->opacity = BrickGrid<std::uint8_t>::from_dense(texture->size, {opacity.data(), texels});
   if (colors) {
     using Color = std::array<std::uint8_t, 3>;
-    texture->colors = BrickGrid<Color>::from_dense(
-        texture->size, {reinterpret_cast<const Color*>(colors->data()), texels});
+    texture->colors =
+        BrickGrid<Color>::from_dense(texture->size, {reinterpret_cast<const Color*>(colors->data()), texels});
   }
   texture->extent = extent;
   texture->is_periodic = periodic;

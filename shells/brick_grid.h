@@ -1,7 +1,7 @@
 // Grids of texels that are mostly the same over large parts: in bricks, each content of which is kept once.
 //
 // Lefebvre, Hornus and Neyret 2005, "Octree Textures on the GPU", and Crassin et al. 2009, "GigaVoxels", have
-// bricks in trees; here a flat table leads to them, which costs 9 bytes for 512 texels and a single look.
+// bricks in trees; here a flat table leads to them, which costs 4 bytes for 64 texels and a single look.
 #pragma once
 
 #include <recede/geometry/progress.h>
@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -44,15 +46,15 @@ class BrickGrid {
   static_assert(std::is_trivially_copyable_v<Texel>);
 
  public:
-  static constexpr int k_side = 8;  ///< texels of a brick along each axis; fewer at a grid's ends
+  static constexpr int k_side = 4;  ///< texels of a brick along each axis; fewer at a grid's ends
 
   /// What fills a brick while a grid is made.
   class Brick {
    public:
     const TexelBox& box() const { return box_; }
     Texel& at(int i, int j, int k) {
-      return texels_[static_cast<std::size_t>(
-          i - box_.first[0] + k_side * (j - box_.first[1] + k_side * (k - box_.first[2])))];
+      return texels_[static_cast<std::size_t>(i - box_.first[0] +
+                                              k_side * (j - box_.first[1] + k_side * (k - box_.first[2])))];
     }
     void fill(const Texel& value) { texels_.fill(value); }
     /// With what a grid of the same size has there.
@@ -86,7 +88,7 @@ class BrickGrid {
       fill(brick);
       grid.pack(brick, to);
     };
-    grid.store_ = detail::make_brick_store(grid.n_bricks(), grid.brick_texels(), sizeof(Texel), fill_bytes,
+    grid.store_ = detail::make_brick_store(grid.n_bricks(), grid.brick_texels_, sizeof(Texel), fill_bytes,
                                            progress, stage);
     return grid;
   }
@@ -111,19 +113,22 @@ class BrickGrid {
   const std::array<int, 3>& size() const { return size_; }
   bool empty() const { return !store_; }
   std::size_t n_texels() const { return TexelBox{{0, 0, 0}, size_}.n_texels(); }
-  /// Memory of texels and of the table of bricks.
+  /// Memory of texels and of the table of bricks. Texels of several bytes take one where no more than 256
+  /// values occur in the grid.
   std::size_t n_bytes() const { return store_ ? store_->n_bytes() : 0; }
 
-  const Texel& at(int i, int j, int k) const { return brick_texels_at(i, j, k)[place_in_brick(i, j, k)]; }
-  const Texel& at(const std::array<int, 3>& cell) const { return at(cell[0], cell[1], cell[2]); }
-  /// Of the places that two texels span: bit 0 of a corner says which i is whose, bit 1 which j, bit 2 which k.
+  Texel at(int i, int j, int k) const { return texel(place_of(i, j, k)); }
+  Texel at(const std::array<int, 3>& cell) const { return at(cell[0], cell[1], cell[2]); }
+  /// Of the places that two texels span: bit 0 of a corner says which i is whose, bit 1 which j, bit 2 which
+  /// k.
   std::array<Texel, 8> corners(const std::array<int, 3>& a, const std::array<int, 3>& b) const {
     std::array<Texel, 8> texels;
     const bool is_in_one = (((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) & ~k_low) == 0;
     if (is_in_one) {
-      const Texel* brick = brick_texels_at(a[0], a[1], a[2]) + place_in_brick(a[0], a[1], a[2]);
-      const std::ptrdiff_t s = b[0] - a[0], t = row_ * (b[1] - a[1]), r = layer_ * (b[2] - a[2]);
-      texels = {brick[0], brick[s], brick[t], brick[s + t], brick[r], brick[s + r], brick[t + r], brick[s + t + r]};
+      const std::ptrdiff_t at = place_of(a[0], a[1], a[2]), s = b[0] - a[0], t = row_ * (b[1] - a[1]),
+                           r = layer_ * (b[2] - a[2]);
+      texels = {texel(at),     texel(at + s),     texel(at + t),     texel(at + s + t),
+                texel(at + r), texel(at + s + r), texel(at + t + r), texel(at + s + t + r)};
     } else {
       for (std::size_t c = 0; c < 8; ++c)
         texels[c] = at((c & 1) != 0 ? b[0] : a[0], (c & 2) != 0 ? b[1] : a[1], (c & 4) != 0 ? b[2] : a[2]);
@@ -156,8 +161,9 @@ class BrickGrid {
   }
   /// What all texels of a brick are, if they are alike.
   std::optional<Texel> uniform_value(std::size_t brick) const {
-    if (store_->is_uniform[brick] == 0) return std::nullopt;
-    return *static_cast<const Texel*>(store_->bricks[brick]);
+    const std::uint32_t content = store_->bricks[brick];
+    if (store_->is_uniform[content] == 0) return std::nullopt;
+    return texel(static_cast<std::ptrdiff_t>(content * brick_texels_));
   }
   /// What all texels in a box are, if the bricks around it are alike.
   std::optional<Texel> uniform_value(const TexelBox& box) const {
@@ -177,11 +183,7 @@ class BrickGrid {
   /// Whether they hold the same.
   friend bool operator==(const BrickGrid& a, const BrickGrid& b) {
     if (a.size_ != b.size_ || a.empty() != b.empty()) return false;
-    if (a.store_ == b.store_) return true;
-    const std::size_t bytes = a.brick_texels() * sizeof(Texel);
-    for (std::size_t brick = 0; brick < a.n_bricks(); ++brick)
-      if (std::memcmp(a.store_->bricks[brick], b.store_->bricks[brick], bytes) != 0) return false;
-    return true;
+    return a.store_ == b.store_ || detail::is_same(*a.store_, *b.store_);
   }
 
  private:
@@ -195,23 +197,33 @@ class BrickGrid {
     // Of thin grids bricks are as thin.
     row_ = std::min(size[0], k_side);
     layer_ = row_ * std::min(size[1], k_side);
+    brick_texels_ = static_cast<std::size_t>(layer_ * std::min(size[2], k_side));
   }
-  std::size_t brick_texels() const { return static_cast<std::size_t>(layer_ * std::min(size_[2], k_side)); }
   std::size_t brick_number(int i, int j, int k) const {
     return static_cast<std::size_t>(i) +
            counts_[0] * (static_cast<std::size_t>(j) + counts_[1] * static_cast<std::size_t>(k));
   }
-  const Texel* brick_texels_at(int i, int j, int k) const {
-    return static_cast<const Texel*>(store_->bricks[brick_number(i / k_side, j / k_side, k / k_side)]);
+  // Among the texels that are kept.
+  std::ptrdiff_t place_of(int i, int j, int k) const {
+    const auto side = static_cast<unsigned>(k_side);
+    const std::size_t brick =
+        static_cast<unsigned>(i) / side +
+        counts_[0] * (static_cast<unsigned>(j) / side + counts_[1] * (static_cast<unsigned>(k) / side));
+    return static_cast<std::ptrdiff_t>(store_->bricks[brick] * brick_texels_) + (i & k_low) +
+           row_ * (j & k_low) + layer_ * (k & k_low);
   }
-  std::ptrdiff_t place_in_brick(int i, int j, int k) const {
-    return (i & k_low) + row_ * (j & k_low) + layer_ * (k & k_low);
+  Texel texel(std::ptrdiff_t place) const {
+    if constexpr (sizeof(Texel) > 1) {
+      if (!store_->palette.empty())
+        return reinterpret_cast<const Texel*>(store_->palette.data())[std::to_integer<std::size_t>(
+            store_->texels[static_cast<std::size_t>(place)])];
+    }
+    return reinterpret_cast<const Texel*>(store_->texels.get())[place];
   }
   void copy_row(int first, int last, int j, int k, Texel* to) const {
     for (int i = first; i < last;) {
       const int end = std::min(last, (i | k_low) + 1);
-      to = std::copy_n(&at(i, j, k), end - i, to);
-      i = end;
+      for (std::ptrdiff_t place = place_of(i, j, k); i < end; ++i) *to++ = texel(place++);
     }
   }
   // Beyond the grid's end a brick goes on as there, so that what is alike in the grid is alike in memory.
@@ -231,6 +243,7 @@ class BrickGrid {
   std::array<int, 3> size_{0, 0, 0};
   std::array<std::size_t, 3> counts_{0, 0, 0};
   int row_ = 0, layer_ = 0;  // texels from a row and a layer of a brick to the next
+  std::size_t brick_texels_ = 0;
   std::shared_ptr<const detail::BrickStore> store_;
 };
 

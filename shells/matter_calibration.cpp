@@ -123,7 +123,8 @@ struct Step {
 /// What texels add once they stop a ray of one direction.
 class SeenTexels {
  public:
-  SeenTexels(const TransparentVolume& matter, const Vec3& direction) : matter_(matter), direction_(direction) {
+  SeenTexels(const TransparentVolume& matter, const Vec3& direction)
+      : matter_(matter), direction_(direction) {
     // Of larger levels few texels are met twice.
     constexpr std::size_t k_most_kept = std::size_t{1} << 20;
     if (matter.normals.n_texels() <= k_most_kept) normals_.resize(matter.normals.n_texels());
@@ -184,8 +185,7 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
       const double stopped = path.advance(ray.at((n + 0.5) / steps), ray.across / steps);
       if (stopped <= before) continue;
       before = stopped;
-      passed.push_back(
-          {-std::log(1 - stopped), texels.normal(path.texel()), texels.color(path.texel())});
+      passed.push_back({-std::log(1 - stopped), texels.normal(path.texel()), texels.color(path.texel())});
     }
   }
   return rays;

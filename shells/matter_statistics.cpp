@@ -52,8 +52,8 @@ BrickGrid<std::uint8_t> halved_rows(const BrickGrid<std::uint8_t>& rows, std::si
   });
 }
 
-/// Puts `n` numbers together, the first with the second and so on; a last one without a partner stays. Returns
-/// how many there are then.
+/// Puts `n` numbers together, the first with the second and so on; a last one without a partner stays.
+/// Returns how many there are then.
 template <typename Combine>
 std::size_t put_together(float* numbers, std::size_t n, Combine&& combine) {
   for (std::size_t i = 0; i + 1 < n; i += 2) numbers[i / 2] = combine(numbers[i], numbers[i + 1]);
@@ -99,7 +99,8 @@ class MatterStatistics::Means {
                n_lines = static_cast<std::size_t>(from.length(second));
     // Of each place along the axis and each of the first: a line along the second.
     lines_.resize(n_along * n_first * n_lines);
-    for (std::size_t line = 0; line < n_lines; ++line) read_line(from, line, groups, n_along, n_first, n_lines);
+    for (std::size_t line = 0; line < n_lines; ++line)
+      read_line(from, line, groups, n_along, n_first, n_lines);
     std::array<std::size_t, 3> step{1, static_cast<std::size_t>(box.length(0)), 0};
     step[2] = step[1] * static_cast<std::size_t>(box.length(1));
     for (std::size_t a = 0; a < n_along; ++a) {
@@ -115,8 +116,8 @@ class MatterStatistics::Means {
  private:
   void widen(TexelBox& box, std::size_t axis, int levels) const {
     box.first[axis] <<= levels;
-    box.last[axis] = static_cast<int>(std::min<std::int64_t>(std::int64_t{box.last[axis]} << levels,
-                                                             rows_.size()[axis]));
+    box.last[axis] =
+        static_cast<int>(std::min<std::int64_t>(std::int64_t{box.last[axis]} << levels, rows_.size()[axis]));
   }
 
   void reduce(float* line, std::size_t n) const {
@@ -215,15 +216,16 @@ double MatterStatistics::correlation(std::size_t axis) const {
     fine.first[axis] <<= groups;
     fine.last[axis] = std::min(fine.last[axis] << groups, size_[axis]);
     of_rows.make(fine, 0, opacity);
-    const std::array<std::size_t, 3> step{1, static_cast<std::size_t>(fine.length(0)),
-                                          static_cast<std::size_t>(fine.length(0)) *
-                                              static_cast<std::size_t>(fine.length(1))};
+    const std::array<std::size_t, 3> step{
+        1, static_cast<std::size_t>(fine.length(0)),
+        static_cast<std::size_t>(fine.length(0)) * static_cast<std::size_t>(fine.length(1))};
     std::size_t next = 0;
     for_each_texel(box, [&](int i, int j, int k) {
       std::array<int, 3> cell{i, j, k};
       cell[axis] <<= groups;
       std::size_t place = 0;
-      for (std::size_t a = 0; a < 3; ++a) place += static_cast<std::size_t>(cell[a] - fine.first[a]) * step[a];
+      for (std::size_t a = 0; a < 3; ++a)
+        place += static_cast<std::size_t>(cell[a] - fine.first[a]) * step[a];
       std::array<float, 4> alone{}, most{};
       auto n = static_cast<std::size_t>(std::min(1 << groups, fine.last[axis] - cell[axis]));
       for (std::size_t t = 0; t < n; ++t) alone[t] = most[t] = opacity[place + t * step[axis]];

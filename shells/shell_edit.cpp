@@ -27,9 +27,8 @@ std::size_t count_changed(const BrickGrid<std::uint8_t>& before, const BrickGrid
   for (std::size_t brick = 0; brick < before.n_bricks(); ++brick) {
     const std::optional<std::uint8_t> old_value = before.uniform_value(brick);
     if (old_value && old_value == after.uniform_value(brick)) continue;
-    for_each_texel(before.box(brick), [&](int i, int j, int k) {
-      changed += before.at(i, j, k) != after.at(i, j, k) ? 1 : 0;
-    });
+    for_each_texel(before.box(brick),
+                   [&](int i, int j, int k) { changed += before.at(i, j, k) != after.at(i, j, k) ? 1 : 0; });
   }
   return changed;
 }
@@ -47,34 +46,16 @@ class BodySampler {
   BodySampler(const LayerGrid& grid, const InsideDistance& body, const CombineOptions& options)
       : grid_(grid), body_(body), options_(options) {}
 
-  // Returns the volume of the brick's texels within the body.
+  // Returns the volume of the brick's texels within the body. A body often contains or misses a brick as a
+  // whole, for which it is asked once.
   double sample(OpacityGrid::Brick& brick) const {
     // Without a layer nothing changes.
     brick.fill(options_.operation == VolumeOperation::intersect ? 255 : 0);
-    // Texels are asked for in cubes, which a body often contains or misses as a whole.
-    constexpr int k_cube = 4;
-    static_assert(OpacityGrid::k_side % k_cube == 0);
-    const TexelBox& all = brick.box();
-    const auto n_cubes = [&](std::size_t axis) { return (all.length(axis) + k_cube - 1) / k_cube; };
-    double volume = 0;
-    for_each_texel({{0, 0, 0}, {n_cubes(0), n_cubes(1), n_cubes(2)}}, [&](int i, int j, int k) {
-      TexelBox cube{{i, j, k}, {}};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        cube.first[axis] = all.first[axis] + cube.first[axis] * k_cube;
-        cube.last[axis] = std::min(cube.first[axis] + k_cube, all.last[axis]);
-      }
-      volume += sample_cube(cube, brick);
-    });
-    return volume;
-  }
-
- private:
-  double sample_cube(const TexelBox& cube, OpacityGrid::Brick& brick) const {
     std::vector<Vec3>& points = points_here();
     points.clear();
     Box3 box;
     double ramp = 0;
-    for_each_in_layer(cube, [&](int i, int j, int k) {
+    for_each_in_layer(brick.box(), [&](int i, int j, int k) {
       points.push_back(grid_.point(i, j, k));
       box.extend(points.back());
       ramp = std::max(ramp, ramp_of(i, j));
@@ -86,7 +67,7 @@ class BodySampler {
     const bool is_alike = std::abs(at_middle) - around > ramp;
     double volume = 0;
     std::size_t next = 0;
-    for_each_in_layer(cube, [&](int i, int j, int k) {
+    for_each_in_layer(brick.box(), [&](int i, int j, int k) {
       const Vec3& point = points[next++];
       const double inside = is_alike ? at_middle : inside_by(point);
       // Of the share of a texel that is in the body, as if its surface were flat.
@@ -96,6 +77,7 @@ class BodySampler {
     return volume;
   }
 
+ private:
   // Of one thread.
   static std::vector<Vec3>& points_here() {
     thread_local std::vector<Vec3> points;
@@ -183,13 +165,11 @@ VolumeTexture unwrap_volume(const TexturedShell& textured, const LayerGrid& grid
         brick.at(i, j, k) = sample(source, Vec3(st.x(), st.y(), (k + 0.5) / grid.size()[2]));
     });
   };
-  result.opacity = OpacityGrid::make(grid.size(), [&](OpacityGrid::Brick& brick) {
-    sampled(brick, detail::opacity_byte_at);
-  });
+  result.opacity = OpacityGrid::make(
+      grid.size(), [&](OpacityGrid::Brick& brick) { sampled(brick, detail::opacity_byte_at); });
   if (!source.colors.empty()) {
-    result.colors = ColorGrid::make(grid.size(), [&](ColorGrid::Brick& brick) {
-      sampled(brick, detail::color_bytes_at);
-    });
+    result.colors = ColorGrid::make(grid.size(),
+                                    [&](ColorGrid::Brick& brick) { sampled(brick, detail::color_bytes_at); });
   }
   return result;
 }

@@ -139,10 +139,11 @@ class SurfaceLevels {
   VolumeTexture level_;
   detail::CoverageOfOpacity shares_of_opacity_{};  // at the finest level
   const std::array<double, 256>& linear_ = detail::linear_of_bytes();
-  Shares shares_;                                  // that are inside, at others; of textures with colours
+  Shares shares_;  // that are inside, at others; of textures with colours
 };
 
-TransparentVolume transparent_level(const detail::MatterStatistics& statistics, const VolumeTexture& texture) {
+TransparentVolume transparent_level(const detail::MatterStatistics& statistics,
+                                    const VolumeTexture& texture) {
   TransparentVolume level{.size = texture.size,
                           .opacity = statistics.opacity(),
                           .normals = statistics.normals(),
@@ -207,9 +208,8 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
     levels.halve();
     if (keeps_shape) {
       const double share = volume_of(levels.level());
-      keeps_shape =
-          share >= options.least_share * volume && options.least_share * share <= volume &&
-          is_seen_alike(detail::measure_layer(levels.level()), exact, options.seen_tolerance);
+      keeps_shape = share >= options.least_share * volume && options.least_share * share <= volume &&
+                    is_seen_alike(detail::measure_layer(levels.level()), exact, options.seen_tolerance);
     }
     if (keeps_shape)
       mipmap.surfaces.push_back(levels.level());

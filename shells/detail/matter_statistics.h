@@ -45,8 +45,9 @@ class MatterStatistics {
   CoverageOfOpacity coverage_;
   int level_ = 0;
   std::array<int, 3> size_;
-  std::array<BrickGrid<std::uint8_t>, 3> rows_;  // by axis: the largest opacity in a row, halved along it alone
-  BrickGrid<Sum> normals_;                       // from the second level on
+  std::array<BrickGrid<std::uint8_t>, 3>
+      rows_;                // by axis: the largest opacity in a row, halved along it alone
+  BrickGrid<Sum> normals_;  // from the second level on
 };
 
 /// Half as many texels along each axis, rounded up.

@@ -264,8 +264,7 @@ TEST(ShellVolume, LevelsAreSeenInTheirRangeOnly) {
   const std::shared_ptr<const VolumeMipmap> whole = sheet.volume.textured.texture;
   const int first = whole->first_transparent();
   VolumeMipmap opaque = *whole, hollow = *whole;
-  for (TransparentVolume& matter : opaque.transparent)
-    matter.opacity = {matter.size, {255, 255, 255}};
+  for (TransparentVolume& matter : opaque.transparent) matter.opacity = {matter.size, {255, 255, 255}};
   for (VolumeTexture& surface : hollow.surfaces) surface.opacity = {surface.size, 0};
   const auto changes = [&](const VolumeMipmap& other, double level) {
     sheet.volume.textured.texture = whole;

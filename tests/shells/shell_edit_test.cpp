@@ -250,8 +250,8 @@ TEST(ShellEdit, UnwrapsWhatRepeats) {
   for (const auto& [i, j, k] : {std::array{20, 30, 2}, {50, 11, 5}, {75, 50, 1}}) {
     const Vec3 place = unwrapped.middle(i, j, k);
     const Vec2 st = textured.coordinates.of(place.head<2>());
-    EXPECT_NEAR(unwrapped.opacity.at(i, j, k) / 255.0,
-                opacity_at(source, {st.x(), st.y(), place.z()}), 0.5 / 255 + 1e-9);
+    EXPECT_NEAR(unwrapped.opacity.at(i, j, k) / 255.0, opacity_at(source, {st.x(), st.y(), place.z()}),
+                0.5 / 255 + 1e-9);
   }
   EXPECT_EQ(unwrapped.colors.size(), unwrapped.size);
   EXPECT_FALSE(unwrapped.is_periodic);

@@ -63,7 +63,8 @@ TEST(VolumeMipmap, KnowsTheDirectionOfBars) {
   const VolumeMipmap mipmap = make_mipmap(bars(64));
   const TransparentVolume& last = mipmap.transparent.back();
   // Bars cover 4 * 0.16 of the side, seen along r, and 4 * pi * 0.08^2 of their ends' 0.25.
-  EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitZ()), 0.64, 0.02);  // a texel's half width at 8 borders, of 64
+  EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitZ()), 0.64,
+              0.02);  // a texel's half width at 8 borders, of 64
   EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitY()), 16 * std::numbers::pi * 0.08 * 0.08, 0.03);
   EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitX()), 0.64, 0.02);
   // Along t, texels in a row have the same holes.

@@ -108,7 +108,8 @@ TEST(VolumeTexture, RefusesWhatItCannotHold) {
   VolumeTexture texture = ball_texture(4);
   texture.opacity = {{4, 4, 3}, 0};
   EXPECT_THAT([&] { validate(texture, "ball"); },
-              ThrowsMessage<InputError>(HasSubstr("ball: a volume texture of 4 x 4 x 4 texels has opacities of 4 x 4 x 3")));
+              ThrowsMessage<InputError>(
+                  HasSubstr("ball: a volume texture of 4 x 4 x 4 texels has opacities of 4 x 4 x 3")));
 }
 
 // Distances that are no larger than they should be: rays step by them.
