@@ -193,6 +193,7 @@ bool VolumeLook::meet_surface(const VolumePrism& prism, const VolumeRay& ray, co
                               int level, double least, double most, Crossing& crossing) const {
   const VolumeTexture& texture = texture_->surfaces[static_cast<std::size_t>(level)];
   const Vec3& slopes = slopes_[static_cast<std::size_t>(level)];
+  const EmptyRegions& empty = empty_[static_cast<std::size_t>(level)];
   const Vec3 size(texture.size[0], texture.size[1], texture.size[2]);
   // A ray that starts inside starts at a surface, which it mustn't meet at once.
   const bool starts_inside = passage.from < least;
@@ -219,12 +220,13 @@ bool VolumeLook::meet_surface(const VolumePrism& prism, const VolumeRay& ray, co
     }
     if (opacity < 0.5) was_outside = true;
     if (distance >= passage.to || distance >= most) return false;
-    const Vec3 texels = prism.texture_step(step).cwiseProduct(size).cwiseAbs();
+    const Vec3 move = prism.texture_step(step), texels = move.cwiseProduct(size).cwiseAbs();
     const double fastest = texels.maxCoeff(), rate = texels.dot(slopes);
     double length = fastest > 0 ? 0.5 / fastest : passage.to - distance;
     // As far as opacity needs to get to a half with the steepest slope that there is.
     if (opacity < 0.5 && rate > 0) length = std::max(length, (0.5 - opacity) / rate);
     if (opacity < 0.5 && rate == 0) length = passage.to - distance;
+    if (opacity < 0.5) length = std::max(length, empty.free_length(prism.texture(place), move));
     before = distance;
     opacity_before = opacity;
     const bool is_last = !(length < passage.to - distance);

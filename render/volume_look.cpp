@@ -61,7 +61,10 @@ VolumeLook::VolumeLook(const PlacedVolume& placed, const Vec3& center, double sc
   borders_.resize(n_primitives());
   for (const Index corner : find_open_sides(base.positions.size(), triangles_))
     borders_[corner / 3] = static_cast<std::uint8_t>(borders_[corner / 3] | (1u << (corner % 3)));
-  for (const VolumeTexture& level : texture_->surfaces) slopes_.push_back(steepest_slopes(level));
+  for (const VolumeTexture& level : texture_->surfaces) {
+    slopes_.push_back(steepest_slopes(level));
+    empty_.emplace_back(level);
+  }
   if (view_) view_->eye = (view_->eye - center) * scale;
   set_frames();
   set_texels();

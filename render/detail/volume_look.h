@@ -1,6 +1,7 @@
 // Volume textures in shells as rays meet them.
 #pragma once
 
+#include <recede/render/detail/empty_regions.h>
 #include <recede/render/detail/user_geometry.h>
 #include <recede/render/detail/volume_prism.h>
 #include <recede/render/shell_volume.h>
@@ -76,6 +77,7 @@ class VolumeLook {
       footprints_;                     // of triangles: shortest side of a texel, mean one along the surface
   std::vector<std::uint8_t> borders_;  // of triangles: bit k, no neighbour beyond the side from corner k
   std::vector<Vec3> slopes_;           // of levels of surfaces: most that opacity changes for a texel
+  std::vector<EmptyRegions> empty_;    // of levels of surfaces
   std::optional<VolumeView> view_;     // in the scaled scene
 };
 
