@@ -226,7 +226,9 @@ bool VolumeLook::meet_surface(const VolumePrism& prism, const VolumeRay& ray, co
     // As far as opacity needs to get to a half with the steepest slope that there is.
     if (opacity < 0.5 && rate > 0) length = std::max(length, (0.5 - opacity) / rate);
     if (opacity < 0.5 && rate == 0) length = passage.to - distance;
-    if (opacity < 0.5) length = std::max(length, empty.free_length(prism.texture(place), move));
+    // Near to matter there is seldom an empty cube.
+    if (opacity < 0.25 && length < passage.to - distance)
+      length = std::max(length, empty.free_length(prism.texture(place), move));
     before = distance;
     opacity_before = opacity;
     const bool is_last = !(length < passage.to - distance);

@@ -191,6 +191,20 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
   return rays;
 }
 
+// Share of the rays that is stopped.
+double opacity_with(const std::vector<std::vector<Step>>& rays, double density) {
+  double opacity = 0;
+  for (const std::vector<Step>& ray : rays) {
+    double before = 0;
+    for (const Step& step : ray) {
+      const double stopped = 1 - std::exp(-density * step.depth);
+      opacity += stopped - before;
+      before = stopped;
+    }
+  }
+  return opacity / static_cast<double>(rays.size());
+}
+
 SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, double density) {
   double opacity = 0;
   Vec3 normal = Vec3::Zero(), color = Vec3::Zero();
@@ -217,7 +231,7 @@ void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact,
     double low = 1.0 / 8, high = 8;
     for (int round = 0; round < 12; ++round) {
       const double middle = std::sqrt(low * high);
-      (seen_with(rays, middle).opacity < exact[d].opacity ? low : high) = middle;
+      (opacity_with(rays, middle) < exact[d].opacity ? low : high) = middle;
     }
     const double density = std::sqrt(low * high);
     const SeenLayer seen = seen_with(rays, density);
