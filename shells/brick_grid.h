@@ -130,8 +130,19 @@ class BrickGrid {
       texels = {texel(at),     texel(at + s),     texel(at + t),     texel(at + s + t),
                 texel(at + r), texel(at + s + r), texel(at + t + r), texel(at + s + t + r)};
     } else {
-      for (std::size_t c = 0; c < 8; ++c)
-        texels[c] = at((c & 1) != 0 ? b[0] : a[0], (c & 2) != 0 ? b[1] : a[1], (c & 4) != 0 ? b[2] : a[2]);
+      const auto brick = [](int i) { return static_cast<unsigned>(i) / static_cast<unsigned>(k_side); };
+      const std::array<std::size_t, 2> s{brick(a[0]), brick(b[0])},
+          t{counts_[0] * brick(a[1]), counts_[0] * brick(b[1])},
+          r{counts_[0] * counts_[1] * brick(a[2]), counts_[0] * counts_[1] * brick(b[2])};
+      const std::array<std::ptrdiff_t, 2> in_s{a[0] & k_low, b[0] & k_low},
+          in_t{row_ * (a[1] & k_low), row_ * (b[1] & k_low)},
+          in_r{layer_ * (a[2] & k_low), layer_ * (b[2] & k_low)};
+      const std::uint32_t* bricks = store_->bricks.data();
+      for (std::size_t c = 0; c < 8; ++c) {
+        const std::size_t x = c & 1, y = (c >> 1) & 1, z = c >> 2;
+        texels[c] = texel(static_cast<std::ptrdiff_t>(bricks[s[x] + t[y] + r[z]] * brick_texels_) + in_s[x] +
+                          in_t[y] + in_r[z]);
+      }
     }
     return texels;
   }

@@ -1,6 +1,7 @@
 // What texels of a level can't know, as how holes line up for rays that cross them, is measured: rays through
 // the finest level against rays through the matter.
 #include <recede/geometry/detail/hashed_number.h>
+#include <recede/shells/detail/empty_regions.h>
 #include <recede/shells/detail/matter_calibration.h>
 #include <recede/shells/detail/matter_path.h>
 #include <recede/shells/detail/volume_sampler.h>
@@ -87,6 +88,7 @@ Vec3 surface_normal(const VolumeTexture& texture, const Vec3& place, const Vec3&
 }  // namespace
 
 std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
+  const EmptyRegions empty(texture);
   return for_directions<SeenLayer>([&](std::size_t d) -> SeenLayer {
     const Vec3 direction = direction_of(d);
     // Colours and normals differ much at the finest level; what its rays cost is little beside those of
@@ -101,7 +103,10 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
           1 + static_cast<int>(ray.across.cwiseProduct(size_of(texture.size)).cwiseAbs().maxCoeff());
       for (int n = 0; n < steps; ++n) {
         const Vec3 place = ray.at((n + 0.5) / steps);
-        if (sampled_opacity(texture, place) < 0.5) continue;
+        if (sampled_opacity(texture, place) < 0.5) {
+          n += static_cast<int>(std::min(empty.free_length(place, ray.across), 1.0) * steps);
+          continue;
+        }
         ++hits;
         normal += surface_normal(texture, place, direction);
         color += texture.colors.empty() ? Vec3(Vec3::Ones()) : sampled_color(texture, place);

@@ -1,10 +1,10 @@
 // Volume textures in shells as rays meet them.
 #pragma once
 
-#include <recede/render/detail/empty_regions.h>
 #include <recede/render/detail/user_geometry.h>
 #include <recede/render/detail/volume_prism.h>
 #include <recede/render/shell_volume.h>
+#include <recede/shells/detail/empty_regions.h>
 
 #include <array>
 #include <vector>

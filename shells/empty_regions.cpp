@@ -1,4 +1,4 @@
-#include <recede/render/detail/empty_regions.h>
+#include <recede/shells/detail/empty_regions.h>
 
 #include <algorithm>
 #include <cmath>
