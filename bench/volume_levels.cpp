@@ -184,7 +184,7 @@ Brightness brightness_of(const VolumeTexture& texture, const std::shared_ptr<con
       for (int i = 0; i < texture.size[0]; ++i)
         gradients -= opacity_gradient(texture, texture.middle(i, j, k)).cwiseQuotient(texture.extent);
   const Vec3 mean =
-      mean_normal_along(normal_matrix(mipmap->transparent.back().normals.front()), frame.forward);
+      mean_normal_along(normal_matrix(mipmap->transparent.back().normals.at(0, 0, 0)), frame.forward);
   // Closed bodies' normals cancel out: what is left is rounding.
   const bool is_any = gradients.norm() > 1e-3 * static_cast<double>(texture.n_texels());
   return {finest, is_any ? std::max(0.0, gradients.normalized().dot(light)) : -1,
@@ -254,8 +254,8 @@ double opacity_of_rows(const TransparentVolume& level, int axis, double correlat
     for (at[v] = 0; at[v] < level.size[v]; ++at[v]) {
       double opacity = 0;
       for (at[along] = 0; at[along] < level.size[along]; ++at[along])
-        opacity = opacity_in_row(opacity, level.opacity[level.texel(at[0], at[1], at[2])][along] / 255.0,
-                                 at[along] == 0 ? 0 : correlation);
+        opacity =
+            opacity_in_row(opacity, level.opacity.at(at)[along] / 255.0, at[along] == 0 ? 0 : correlation);
       sum += opacity;
     }
   }

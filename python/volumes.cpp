@@ -72,13 +72,20 @@ Texture from_arrays(const ByteArray& opacity, const std::optional<ByteArray>& co
   auto texture = std::make_shared<VolumeTexture>();
   for (int axis = 0; axis < 3; ++axis)
     texture->size[static_cast<std::size_t>(2 - axis)] = static_cast<int>(opacity.shape(axis));
-  texture->opacity.assign(opacity.data(), opacity.data() + opacity.size());
   if (colors) {
     const bool fits = colors->ndim() == 4 && colors->shape(3) == 3 && colors->shape(0) == opacity.shape(0) &&
                       colors->shape(1) == opacity.shape(1) && colors->shape(2) == opacity.shape(2);
     if (!fits) throw InputError("colors must be an array of r x t x s x 3 bytes, as large as opacity");
-    for (py::ssize_t i = 0; i < colors->size(); i += 3)
-      texture->colors.push_back({colors->data()[i], colors->data()[i + 1], colors->data()[i + 2]});
+  }
+  for (const int along : texture->size) {
+    if (along < 1) throw InputError("opacity must have a texel and more along each axis");
+  }
+  const auto texels = static_cast<std::size_t>(opacity.size());
+  texture->opacity = BrickGrid<std::uint8_t>::from_dense(texture->size, {opacity.data(), texels});
+  if (colors) {
+    using Color = std::array<std::uint8_t, 3>;
+    texture->colors =
+        BrickGrid<Color>::from_dense(texture->size, {reinterpret_cast<const Color*>(colors->data()), texels});
   }
   texture->extent = extent;
   texture->is_periodic = periodic;
@@ -88,14 +95,17 @@ Texture from_arrays(const ByteArray& opacity, const std::optional<ByteArray>& co
 }
 
 py::array opacity_of(const VolumeTexture& texture) {
-  return py::array_t<std::uint8_t>({texture.size[2], texture.size[1], texture.size[0]},
-                                   texture.opacity.data());
+  py::array_t<std::uint8_t> array({texture.size[2], texture.size[1], texture.size[0]});
+  texture.opacity.copy_to({{0, 0, 0}, texture.size}, array.mutable_data());
+  return array;
 }
 
 py::object colors_of(const VolumeTexture& texture) {
   if (texture.colors.empty()) return py::none();
-  return py::array_t<std::uint8_t>({texture.size[2], texture.size[1], texture.size[0], 3},
-                                   texture.colors.front().data());
+  py::array_t<std::uint8_t> array({texture.size[2], texture.size[1], texture.size[0], 3});
+  texture.colors.copy_to({{0, 0, 0}, texture.size},
+                         reinterpret_cast<std::array<std::uint8_t, 3>*>(array.mutable_data()));
+  return array;
 }
 
 ShellSide side_of(const std::string& name) {

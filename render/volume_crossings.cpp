@@ -192,6 +192,7 @@ bool VolumeLook::meet_surface(const LayerCell& cell, const VolumeRay& ray, const
                               int level, double least, double most, Crossing& crossing) const {
   const VolumeTexture& texture = texture_->surfaces[static_cast<std::size_t>(level)];
   const Vec3& slopes = slopes_[static_cast<std::size_t>(level)];
+  const EmptyRegions& empty = empty_[static_cast<std::size_t>(level)];
   const Vec3 size(texture.size[0], texture.size[1], texture.size[2]);
   // A ray that starts inside starts at a surface, which it mustn't meet at once.
   const bool starts_inside = passage.from < least;
@@ -218,12 +219,15 @@ bool VolumeLook::meet_surface(const LayerCell& cell, const VolumeRay& ray, const
     }
     if (opacity < 0.5) was_outside = true;
     if (distance >= passage.to || distance >= most) return false;
-    const Vec3 texels = cell.texture_step(place, step).cwiseProduct(size).cwiseAbs();
+    const Vec3 move = cell.texture_step(place, step), texels = move.cwiseProduct(size).cwiseAbs();
     const double fastest = texels.maxCoeff(), rate = texels.dot(slopes);
     double length = fastest > 0 ? 0.5 / fastest : passage.to - distance;
     // As far as opacity needs to get to a half with the steepest slope that there is.
     if (opacity < 0.5 && rate > 0) length = std::max(length, (0.5 - opacity) / rate);
     if (opacity < 0.5 && rate == 0) length = passage.to - distance;
+    // Near to matter there is seldom an empty cube.
+    if (opacity < 0.25 && length < passage.to - distance)
+      length = std::max(length, empty.free_length(cell.texture(place), move));
     before = distance;
     opacity_before = opacity;
     const bool is_last = !(length < passage.to - distance);
@@ -268,7 +272,7 @@ bool VolumeLook::meet_matter(const LayerCell& cell, const VolumeRay& ray, const 
       if (distance >= most) return false;
       set_crossing(place, distance, crossing);
       const Vec3 mean = correction.normal +
-                        mean_normal_along(normal_matrix(matter.normals[path.texel()]), path.direction());
+                        mean_normal_along(normal_matrix(matter.normals.at(path.texel())), path.direction());
       const Vec3 normal = turned_to_space(smooth_frame(cell, place), mean.cwiseProduct(finest.extent));
       if (normal.squaredNorm() > 0)
         crossing.front = (mean.norm() * normal.stableNormalized()).cast<float>();

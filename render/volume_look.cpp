@@ -24,22 +24,22 @@ namespace {
 // The most that opacity changes from a texel to the next, along each axis.
 Vec3 steepest_slopes(const VolumeTexture& texture) {
   std::array<int, 3> most{0, 0, 0};
-  for (int k = 0; k < texture.size[2]; ++k) {
-    for (int j = 0; j < texture.size[1]; ++j) {
-      for (int i = 0; i < texture.size[0]; ++i) {
-        const std::array<int, 3> at{i, j, k};
-        const int here = texture.opacity[texture.texel(i, j, k)];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          std::array<int, 3> next = at;
-          if (++next[axis] == texture.size[axis]) {
-            if (axis == 2 || !texture.is_periodic) continue;
-            next[axis] = 0;
-          }
-          const int there = texture.opacity[texture.texel(next[0], next[1], next[2])];
-          most[axis] = std::max(most[axis], std::abs(there - here));
+  const BrickGrid<std::uint8_t>& opacity = texture.opacity;
+  for (std::size_t brick = 0; brick < opacity.n_bricks(); ++brick) {
+    const TexelBox box = opacity.box(brick);
+    const bool is_uniform = opacity.uniform_value(brick).has_value();
+    for_each_texel(box, [&](int i, int j, int k) {
+      const std::array<int, 3> at{i, j, k};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        std::array<int, 3> next = at;
+        if (is_uniform && at[axis] + 1 < box.last[axis]) continue;
+        if (++next[axis] == texture.size[axis]) {
+          if (axis == 2 || !texture.is_periodic) continue;
+          next[axis] = 0;
         }
+        most[axis] = std::max(most[axis], std::abs(opacity.at(next) - opacity.at(at)));
       }
-    }
+    });
   }
   return Vec3(most[0], most[1], most[2]) / 255;
 }
@@ -60,7 +60,10 @@ VolumeLook::VolumeLook(const PlacedVolume& placed, const Vec3& center, double sc
   triangles_ = base.corner_vertices;
   for (const Vec2& uv : base.corner_uvs) places_.push_back(placed.textured.coordinates.of(uv));
   set_cells(*placed.textured.shell, layer);
-  for (const VolumeTexture& level : texture_->surfaces) slopes_.push_back(steepest_slopes(level));
+  for (const VolumeTexture& level : texture_->surfaces) {
+    slopes_.push_back(steepest_slopes(level));
+    empty_.emplace_back(level);
+  }
   if (view_) view_->eye = (view_->eye - center) * scale;
   set_frames();
   set_texels();
@@ -247,7 +250,7 @@ Rgb VolumeLook::color_at(const Hit& hit, const Vec3f& direction) const {
   const TransparentVolume& matter = texture_->transparent[static_cast<std::size_t>(choice.level)];
   const Vec3 step = cell.texture_step(place, cell.follow(ray, distance, place));
   const Vec3 factors = matter.correction_along(step.cwiseProduct(finest.extent).stableNormalized()).color;
-  const Vec3 color = linear_color(number_of(matter.colors[matter.texel_at(at, finest.is_periodic)]));
+  const Vec3 color = linear_color(number_of(matter.colors.at(matter.texel_at(at, finest.is_periodic))));
   return factors.cwiseProduct(color).cast<float>();
 }
 

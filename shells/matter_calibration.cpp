@@ -1,6 +1,7 @@
 // What texels of a level can't know, as how holes line up for rays that cross them, is measured: rays through
 // the finest level against rays through the matter.
 #include <recede/geometry/detail/hashed_number.h>
+#include <recede/shells/detail/empty_regions.h>
 #include <recede/shells/detail/matter_calibration.h>
 #include <recede/shells/detail/matter_path.h>
 #include <recede/shells/detail/volume_sampler.h>
@@ -87,6 +88,7 @@ Vec3 surface_normal(const VolumeTexture& texture, const Vec3& place, const Vec3&
 }  // namespace
 
 std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
+  const EmptyRegions empty(texture);
   return for_directions<SeenLayer>([&](std::size_t d) -> SeenLayer {
     const Vec3 direction = direction_of(d);
     // Colours and normals differ much at the finest level; what its rays cost is little beside those of
@@ -101,7 +103,10 @@ std::vector<SeenLayer> measure_layer(const VolumeTexture& texture) {
           1 + static_cast<int>(ray.across.cwiseProduct(size_of(texture.size)).cwiseAbs().maxCoeff());
       for (int n = 0; n < steps; ++n) {
         const Vec3 place = ray.at((n + 0.5) / steps);
-        if (sampled_opacity(texture, place) < 0.5) continue;
+        if (sampled_opacity(texture, place) < 0.5) {
+          n += static_cast<int>(std::min(empty.free_length(place, ray.across), 1.0) * steps);
+          continue;
+        }
         ++hits;
         normal += surface_normal(texture, place, direction);
         color += texture.colors.empty() ? Vec3(Vec3::Ones()) : sampled_color(texture, place);
@@ -117,8 +122,49 @@ namespace {
 
 struct Step {
   double depth;  // -log of the share that goes on, so far
-  Vec3 normal;
-  std::size_t texel;
+  Vec3 normal, color;
+};
+
+/// What texels add once they stop a ray of one direction.
+class SeenTexels {
+ public:
+  SeenTexels(const TransparentVolume& matter, const Vec3& direction)
+      : matter_(matter), direction_(direction) {
+    // Of larger levels few texels are met twice.
+    constexpr std::size_t k_most_kept = std::size_t{1} << 20;
+    if (matter.normals.n_texels() <= k_most_kept) normals_.resize(matter.normals.n_texels());
+  }
+
+  Vec3 normal(const std::array<int, 3>& texel) {
+    if (normals_.empty()) {
+      if (texel != last_) last_normal_ = made(texel);
+      last_ = texel;
+      return last_normal_;
+    }
+    const std::array<int, 3>& size = matter_.size;
+    std::optional<Vec3>& kept =
+        normals_[static_cast<std::size_t>(texel[0] + size[0] * (texel[1] + size[1] * texel[2]))];
+    if (!kept) kept = made(texel);
+    return *kept;
+  }
+  // Linear light; white without colours.
+  Vec3 color(const std::array<int, 3>& texel) const {
+    if (matter_.colors.empty()) return Vec3::Ones();
+    const std::array<std::uint8_t, 3>& bytes = matter_.colors.at(texel);
+    return {linear_[bytes[0]], linear_[bytes[1]], linear_[bytes[2]]};
+  }
+
+ private:
+  Vec3 made(const std::array<int, 3>& texel) const {
+    return mean_normal_along(normal_matrix(matter_.normals.at(texel)), direction_);
+  }
+
+  const TransparentVolume& matter_;
+  Vec3 direction_;
+  const std::array<double, 256>& linear_ = linear_of_bytes();
+  std::vector<std::optional<Vec3>> normals_;
+  std::array<int, 3> last_{-1, -1, -1};
+  Vec3 last_normal_ = Vec3::Zero();
 };
 
 // Of rays of one direction, one after the other.
@@ -127,8 +173,7 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
   std::vector<std::vector<Step>> rays;
   const Vec3 size = size_of(matter.size);
   const int along = rays_along(direction);
-  // Of texels, once they stop a ray.
-  std::vector<std::optional<Vec3>> normals(matter.opacity.size());
+  SeenTexels texels(matter, direction);
   for (int r = 0; r < along * along; ++r) {
     const Start start = start_of(r, along);
     LayerRay ray(start, direction, finest.extent);
@@ -145,17 +190,27 @@ std::vector<std::vector<Step>> pass_matter(const TransparentVolume& matter, cons
       const double stopped = path.advance(ray.at((n + 0.5) / steps), ray.across / steps);
       if (stopped <= before) continue;
       before = stopped;
-      std::optional<Vec3>& normal = normals[path.texel()];
-      if (!normal) normal = mean_normal_along(normal_matrix(matter.normals[path.texel()]), direction);
-      passed.push_back({-std::log(1 - stopped), *normal, path.texel()});
+      passed.push_back({-std::log(1 - stopped), texels.normal(path.texel()), texels.color(path.texel())});
     }
   }
   return rays;
 }
 
-// `colors` of texels, linear light; or none.
-SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, const std::vector<Vec3>& colors,
-                    double density) {
+// Share of the rays that is stopped.
+double opacity_with(const std::vector<std::vector<Step>>& rays, double density) {
+  double opacity = 0;
+  for (const std::vector<Step>& ray : rays) {
+    double before = 0;
+    for (const Step& step : ray) {
+      const double stopped = 1 - std::exp(-density * step.depth);
+      opacity += stopped - before;
+      before = stopped;
+    }
+  }
+  return opacity / static_cast<double>(rays.size());
+}
+
+SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, double density) {
   double opacity = 0;
   Vec3 normal = Vec3::Zero(), color = Vec3::Zero();
   for (const std::vector<Step>& ray : rays) {
@@ -164,7 +219,7 @@ SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, const std::vecto
       const double stopped = 1 - std::exp(-density * step.depth), part = stopped - before;
       opacity += part;
       normal += part * step.normal;
-      color += part * (colors.empty() ? Vec3(Vec3::Ones()) : colors[step.texel]);
+      color += part * step.color;
       before = stopped;
     }
   }
@@ -175,18 +230,16 @@ SeenLayer seen_with(const std::vector<std::vector<Step>>& rays, const std::vecto
 }  // namespace
 
 void calibrate(const VolumeTexture& finest, const std::vector<SeenLayer>& exact, TransparentVolume& matter) {
-  std::vector<Vec3> colors;
-  for (const auto& bytes : matter.colors) colors.push_back(linear_color(number_of(bytes)));
   matter.corrections = for_directions<MatterCorrection>([&](std::size_t d) -> MatterCorrection {
     const std::vector<std::vector<Step>> rays = pass_matter(matter, finest, direction_of(d));
     // Opacity rises with density; a factor of 8 either way makes nearly all of what can be made.
     double low = 1.0 / 8, high = 8;
     for (int round = 0; round < 12; ++round) {
       const double middle = std::sqrt(low * high);
-      (seen_with(rays, colors, middle).opacity < exact[d].opacity ? low : high) = middle;
+      (opacity_with(rays, middle) < exact[d].opacity ? low : high) = middle;
     }
     const double density = std::sqrt(low * high);
-    const SeenLayer seen = seen_with(rays, colors, density);
+    const SeenLayer seen = seen_with(rays, density);
     if (!(seen.opacity > 0)) return {density};
     return {density, exact[d].normal - seen.normal,
             (seen.color.array() > 0).select(exact[d].color.cwiseQuotient(seen.color), Vec3::Ones())};

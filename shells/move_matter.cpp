@@ -5,7 +5,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace recede {
 namespace {
@@ -28,18 +30,95 @@ Vec3 unit_normal(const PolygonSoup& base, const ShellPlace& place) {
   return vector_area(base, place.triangle).stableNormalized();
 }
 
-// Of the grid's columns within a disc's radius: what `visit` makes of a column and its point in the plane.
-template <typename Visit>
-void for_each_column(const LayerGrid& grid, const detail::SurfaceDisc& disc, double radius, Visit&& visit) {
-  tbb::parallel_for(0, grid.size()[1], [&](int j) {
-    for (int i = 0; i < grid.size()[0]; ++i) {
-      const LayerGrid::Column& column = grid.column(i, j);
-      if (column.triangle == k_no_index) continue;
-      const std::optional<Vec2> point = disc.to_plane(column.triangle, column.weights);
-      if (point && point->norm() < radius) visit(i, j, *point);
+using detail::ColorGrid;
+using detail::OpacityGrid;
+
+// What a column of texels gets.
+struct ColumnMove {
+  bool is_emptied = false;
+  std::optional<Vec2> source{};  // texture coordinates of what is united with it
+};
+
+/// Of all columns of a grid.
+class MatterMove {
+ public:
+  MatterMove(const LayerGrid& grid, const MoveOptions& options, const detail::SurfaceDisc& from,
+             const detail::SurfaceDisc& to)
+      : size_(grid.size()),
+        columns_(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1])),
+        without_source_(static_cast<std::size_t>(size_[1])) {
+    const PolygonSoup& base = grid.shell().base;
+    if (!options.is_copy) {
+      for_each_column(grid, from, options.radius,
+                      [&](int i, int j, const Vec2&) { columns_[number(i, j)].is_emptied = true; });
     }
-  });
-}
+    const Eigen::Rotation2Dd back(-options.turn);
+    for_each_column(grid, to, options.radius, [&](int i, int j, const Vec2& point) {
+      const std::optional<ShellPlace> place = from.from_plane(back * point);
+      if (!place) {
+        without_source_[static_cast<std::size_t>(j)] += static_cast<std::size_t>(size_[2]);
+        return;
+      }
+      Vec2 uv = Vec2::Zero();
+      for (std::size_t k = 0; k < 3; ++k)
+        uv += place->weights[static_cast<int>(k)] * base.corner_uvs[3 * place->triangle + k];
+      columns_[number(i, j)].source = uv;
+    });
+  }
+
+  std::size_t without_source() const {
+    return std::accumulate(without_source_.begin(), without_source_.end(), std::size_t{0});
+  }
+
+  VolumeTexture applied_to(const VolumeTexture& texture) const {
+    VolumeTexture result = texture;
+    // The opacity that what moves there is united with.
+    const auto left = [&](int i, int j, int k) {
+      return columns_[number(i, j)].is_emptied ? std::uint8_t{0} : texture.opacity.at(i, j, k);
+    };
+    result.opacity = OpacityGrid::make(size_, [&](OpacityGrid::Brick& brick) {
+      for_each_texel(brick.box(), [&](int i, int j, int k) {
+        const std::optional<Vec2>& source = columns_[number(i, j)].source;
+        brick.at(i, j, k) = left(i, j, k);
+        if (source)
+          brick.at(i, j, k) = std::max(brick.at(i, j, k), detail::opacity_byte_at(texture, at(*source, k)));
+      });
+    });
+    if (texture.colors.empty()) return result;
+    result.colors = ColorGrid::make(size_, [&](ColorGrid::Brick& brick) {
+      brick.copy(texture.colors);
+      for_each_texel(brick.box(), [&](int i, int j, int k) {
+        const std::optional<Vec2>& source = columns_[number(i, j)].source;
+        if (source && result.opacity.at(i, j, k) > left(i, j, k))
+          brick.at(i, j, k) = detail::color_bytes_at(texture, at(*source, k));
+      });
+    });
+    return result;
+  }
+
+ private:
+  // What `visit` makes of columns within a disc's radius and their points in the plane.
+  template <typename Visit>
+  static void for_each_column(const LayerGrid& grid, const detail::SurfaceDisc& disc, double radius,
+                              Visit&& visit) {
+    tbb::parallel_for(0, grid.size()[1], [&](int j) {
+      for (int i = 0; i < grid.size()[0]; ++i) {
+        const LayerGrid::Column& column = grid.column(i, j);
+        if (column.triangle == k_no_index) continue;
+        const std::optional<Vec2> point = disc.to_plane(column.triangle, column.weights);
+        if (point && point->norm() < radius) visit(i, j, *point);
+      }
+    });
+  }
+  std::size_t number(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(size_[0]) + static_cast<std::size_t>(i);
+  }
+  Vec3 at(const Vec2& source, int k) const { return {source.x(), source.y(), (k + 0.5) / size_[2]}; }
+
+  std::array<int, 3> size_;
+  std::vector<ColumnMove> columns_;
+  std::vector<std::size_t> without_source_;  // texels, of rows of columns
+};
 
 }  // namespace
 
@@ -54,34 +133,11 @@ MoveReport move_matter(VolumeTexture& texture, const LayerGrid& grid, const Move
       to(base, options.to, options.radius, turned);
   MoveReport report{.stretch = std::max(from.stretch(), to.stretch())};
 
-  const VolumeTexture source = texture;
-  if (!options.is_copy) {
-    for_each_column(grid, from, options.radius, [&](int i, int j, const Vec2&) {
-      for (int k = 0; k < grid.size()[2]; ++k) texture.opacity[texture.texel(i, j, k)] = 0;
-    });
-  }
-  const Eigen::Rotation2Dd back(-options.turn);
-  std::vector<std::size_t> without(static_cast<std::size_t>(grid.size()[1]), 0);
-  for_each_column(grid, to, options.radius, [&](int i, int j, const Vec2& point) {
-    const std::optional<ShellPlace> place = from.from_plane(back * point);
-    if (!place) {
-      without[static_cast<std::size_t>(j)] += static_cast<std::size_t>(grid.size()[2]);
-      return;
-    }
-    Vec2 uv = Vec2::Zero();
-    for (std::size_t k = 0; k < 3; ++k)
-      uv += place->weights[static_cast<int>(k)] * base.corner_uvs[3 * place->triangle + k];
-    for (int k = 0; k < grid.size()[2]; ++k) {
-      const detail::VolumeSample moved =
-          detail::sample_at(source, {uv.x(), uv.y(), (k + 0.5) / grid.size()[2]});
-      const std::size_t texel = texture.texel(i, j, k);
-      if (moved.opacity <= texture.opacity[texel]) continue;
-      texture.opacity[texel] = moved.opacity;
-      if (!texture.colors.empty()) texture.colors[texel] = moved.color;
-    }
-  });
-  for (const std::size_t texels : without) report.without_source += texels;
-  report.edit.changed = detail::count_changed(source, texture);
+  const MatterMove move(grid, options, from, to);
+  VolumeTexture moved = move.applied_to(texture);
+  report.without_source = move.without_source();
+  report.edit.changed = detail::count_changed(texture.opacity, moved.opacity);
+  texture = std::move(moved);
   return report;
 }
 

@@ -4,10 +4,8 @@
 #include <recede/shells/shell_edit.h>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 namespace recede {
@@ -24,81 +22,62 @@ void check_filled_once(const VolumeTexture& texture, const LayerGrid& grid) {
     throw InputError("a texture that repeats is at many places: unwrap it before it is edited");
 }
 
-std::size_t count_changed(const VolumeTexture& before, const VolumeTexture& after) {
+std::size_t count_changed(const BrickGrid<std::uint8_t>& before, const BrickGrid<std::uint8_t>& after) {
   std::size_t changed = 0;
-  for (std::size_t texel = 0; texel < before.opacity.size(); ++texel)
-    changed += before.opacity[texel] != after.opacity[texel] ? 1 : 0;
+  for (std::size_t brick = 0; brick < before.n_bricks(); ++brick) {
+    const std::optional<std::uint8_t> old_value = before.uniform_value(brick);
+    if (old_value && old_value == after.uniform_value(brick)) continue;
+    for_each_texel(before.box(brick),
+                   [&](int i, int j, int k) { changed += before.at(i, j, k) != after.at(i, j, k) ? 1 : 0; });
+  }
   return changed;
-}
-
-void give_colors(VolumeTexture& texture, const Vec3& color) {
-  if (texture.colors.empty()) texture.colors.assign(texture.n_texels(), color_bytes(color));
 }
 
 }  // namespace detail
 
 namespace {
 
-// Texels are asked for in cubes, which a body often contains or misses as a whole.
-constexpr int k_block = 4;
+using detail::ColorGrid;
+using detail::OpacityGrid;
 
-struct Block {
-  std::array<int, 3> first, last;  // last is the one behind
-};
-
-class Combiner {
+/// Samples a body into a grid: what `combine` compares opacity with, where there is a layer.
+class BodySampler {
  public:
-  Combiner(VolumeTexture& texture, const LayerGrid& grid, const InsideDistance& body,
-           const CombineOptions& options)
-      : texture_(texture), grid_(grid), body_(body), options_(options) {
-    for (std::size_t axis = 0; axis < 3; ++axis) blocks_[axis] = (grid.size()[axis] + k_block - 1) / k_block;
-  }
+  BodySampler(const LayerGrid& grid, const InsideDistance& body, const CombineOptions& options)
+      : grid_(grid), body_(body), options_(options) {}
 
-  int n_rows() const { return blocks_[1] * blocks_[2]; }
-
-  // Volumes of a row's blocks within the body.
-  double combine_row(int row) {
-    double volume = 0;
-    for (int i = 0; i < blocks_[0]; ++i) {
-      const std::array<int, 3> at{i, row % blocks_[1], row / blocks_[1]};
-      Block block{};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        block.first[axis] = at[axis] * k_block;
-        block.last[axis] = std::min(block.first[axis] + k_block, grid_.size()[axis]);
-      }
-      volume += combine_block(block);
-    }
-    return volume;
-  }
-
- private:
-  double combine_block(const Block& block) {
-    points_here().clear();
+  // Returns the volume of the brick's texels within the body. A body often contains or misses a brick as a
+  // whole, for which it is asked once.
+  double sample(OpacityGrid::Brick& brick) const {
+    // Without a layer nothing changes.
+    brick.fill(options_.operation == VolumeOperation::intersect ? 255 : 0);
+    std::vector<Vec3>& points = points_here();
+    points.clear();
     Box3 box;
     double ramp = 0;
-    for_each_texel(block, [&](int i, int j, int k) {
-      points_here().push_back(grid_.point(i, j, k));
-      box.extend(points_here().back());
+    for_each_in_layer(brick.box(), [&](int i, int j, int k) {
+      points.push_back(grid_.point(i, j, k));
+      box.extend(points.back());
       ramp = std::max(ramp, ramp_of(i, j));
     });
-    if (points_here().empty()) return 0;
+    if (points.empty()) return 0;
     const Vec3 middle = box.center();
     const double at_middle = inside_by(middle), around = box.diagonal().norm() / 2;
     // Opacity is 0 or 1 from a ramp's length on.
     const bool is_alike = std::abs(at_middle) - around > ramp;
     double volume = 0;
     std::size_t next = 0;
-    for_each_texel(block, [&](int i, int j, int k) {
-      const Vec3& point = points_here()[next++];
+    for_each_in_layer(brick.box(), [&](int i, int j, int k) {
+      const Vec3& point = points[next++];
       const double inside = is_alike ? at_middle : inside_by(point);
-      const double opacity = detail::ramped_opacity(inside, ramp_of(i, j));
       // Of the share of a texel that is in the body, as if its surface were flat.
       volume += detail::ramped_opacity(inside, grid_.texel_side(i, j) / 2) * grid_.texel_volume(i, j, k);
-      set(texture_.texel(i, j, k), detail::opacity_byte(opacity));
+      brick.at(i, j, k) = detail::opacity_byte(detail::ramped_opacity(inside, ramp_of(i, j)));
     });
     return volume;
   }
 
+ private:
   // Of one thread.
   static std::vector<Vec3>& points_here() {
     thread_local std::vector<Vec3> points;
@@ -106,13 +85,10 @@ class Combiner {
   }
 
   template <typename Visit>
-  void for_each_texel(const Block& block, Visit&& visit) const {
-    for (int k = block.first[2]; k < block.last[2]; ++k) {
-      for (int j = block.first[1]; j < block.last[1]; ++j) {
-        for (int i = block.first[0]; i < block.last[0]; ++i)
-          if (grid_.column(i, j).triangle != k_no_index) visit(i, j, k);
-      }
-    }
+  void for_each_in_layer(const TexelBox& box, Visit&& visit) const {
+    for_each_texel(box, [&](int i, int j, int k) {
+      if (grid_.column(i, j).triangle != k_no_index) visit(i, j, k);
+    });
   }
 
   double ramp_of(int i, int j) const { return options_.ramp_texels * grid_.texel_side(i, j); }
@@ -126,34 +102,45 @@ class Combiner {
     return inside;
   }
 
-  void set(std::size_t texel, std::uint8_t body) {
-    std::uint8_t& opacity = texture_.opacity[texel];
-    if (options_.operation == VolumeOperation::unite) {
-      if (options_.color && body > opacity) texture_.colors[texel] = color_;
-      opacity = std::max(opacity, body);
-    } else if (options_.operation == VolumeOperation::intersect) {
-      opacity = std::min(opacity, body);
-    } else {
-      opacity = std::min(opacity, static_cast<std::uint8_t>(255 - body));
-    }
-  }
-
-  VolumeTexture& texture_;
   const LayerGrid& grid_;
   const InsideDistance& body_;
   const CombineOptions& options_;
-  std::array<std::uint8_t, 3> color_ = detail::color_bytes(options_.color.value_or(Vec3::Zero()));
-  std::array<int, 3> blocks_{};
 };
+
+std::uint8_t combined(VolumeOperation operation, std::uint8_t opacity, std::uint8_t body) {
+  switch (operation) {
+    case VolumeOperation::unite:
+      return std::max(opacity, body);
+    case VolumeOperation::intersect:
+      return std::min(opacity, body);
+    case VolumeOperation::carve:
+      break;
+  }
+  return std::min(opacity, static_cast<std::uint8_t>(255 - body));
+}
+
+// `other` is the colour of matter without colours so far.
+ColorGrid united_colors(const VolumeTexture& texture, const OpacityGrid& body,
+                        const std::array<std::uint8_t, 3>& color, const std::array<std::uint8_t, 3>& other) {
+  return ColorGrid::make(texture.size, [&](ColorGrid::Brick& brick) {
+    if (texture.colors.empty())
+      brick.fill(other);
+    else
+      brick.copy(texture.colors);
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      if (body.at(i, j, k) > texture.opacity.at(i, j, k)) brick.at(i, j, k) = color;
+    });
+  });
+}
 
 }  // namespace
 
 VolumeTexture make_uniform_volume(const LayerGrid& grid, double opacity) {
   if (!(opacity >= 0 && opacity <= 1)) throw OptionError("opacity is from 0 to 1");
-  VolumeTexture texture{.size = grid.size(), .is_periodic = false};
-  texture.opacity.assign(texture.n_texels(), detail::opacity_byte(opacity));
-  texture.extent = grid.mean_extent();
-  return texture;
+  return {.size = grid.size(),
+          .opacity = OpacityGrid(grid.size(), detail::opacity_byte(opacity)),
+          .is_periodic = false,
+          .extent = grid.mean_extent()};
 }
 
 VolumeTexture unwrap_volume(const TexturedShell& textured, const LayerGrid& grid) {
@@ -161,26 +148,29 @@ VolumeTexture unwrap_volume(const TexturedShell& textured, const LayerGrid& grid
     throw InputError("the texture to unwrap is in another layer than the grid's");
   VolumeTexture result = make_uniform_volume(grid, 0);
   const VolumeTexture& source = textured.texture->surfaces.front();
-  if (!source.colors.empty()) result.colors.resize(result.n_texels());
   result.ramp = source.ramp * result.extent.z() / source.extent.z();
   const std::vector<Vec2>& uvs = grid.shell().base.corner_uvs;
-  tbb::parallel_for(0, grid.size()[1], [&](int j) {
-    for (int i = 0; i < grid.size()[0]; ++i) {
+  // What `sample` says of places in the source.
+  const auto sampled = [&](auto& brick, auto&& sample) {
+    brick.fill({});
+    const TexelBox& box = brick.box();
+    for_each_texel({box.first, {box.last[0], box.last[1], box.first[2] + 1}}, [&](int i, int j, int) {
       const LayerGrid::Column& column = grid.column(i, j);
-      if (column.triangle == k_no_index) continue;
+      if (column.triangle == k_no_index) return;
       Vec2 uv = Vec2::Zero();
       for (std::size_t k = 0; k < 3; ++k)
         uv += column.weights[static_cast<int>(k)] * uvs[3 * column.triangle + k];
       const Vec2 st = textured.coordinates.of(uv);
-      for (int k = 0; k < grid.size()[2]; ++k) {
-        const detail::VolumeSample sample =
-            detail::sample_at(source, {st.x(), st.y(), (k + 0.5) / grid.size()[2]});
-        const std::size_t texel = result.texel(i, j, k);
-        result.opacity[texel] = sample.opacity;
-        if (!result.colors.empty()) result.colors[texel] = sample.color;
-      }
-    }
-  });
+      for (int k = box.first[2]; k < box.last[2]; ++k)
+        brick.at(i, j, k) = sample(source, Vec3(st.x(), st.y(), (k + 0.5) / grid.size()[2]));
+    });
+  };
+  result.opacity = OpacityGrid::make(
+      grid.size(), [&](OpacityGrid::Brick& brick) { sampled(brick, detail::opacity_byte_at); });
+  if (!source.colors.empty()) {
+    result.colors = ColorGrid::make(grid.size(),
+                                    [&](ColorGrid::Brick& brick) { sampled(brick, detail::color_bytes_at); });
+  }
   return result;
 }
 
@@ -242,53 +232,55 @@ EditReport combine(VolumeTexture& texture, const LayerGrid& grid, const InsideDi
   for (const Vec3& color : {options.color.value_or(Vec3::Zero()), options.other_color}) {
     if (!(color.minCoeff() >= 0 && color.maxCoeff() <= 1)) throw OptionError("colours are from 0 to 1");
   }
-  VolumeTexture edited = texture;
-  if (options.color && options.operation == VolumeOperation::unite)
-    detail::give_colors(edited, options.other_color);
-  Combiner combiner(edited, grid, body, options);
-  std::vector<double> volumes(static_cast<std::size_t>(combiner.n_rows()));
-  // Some rows at a time, so that it can be cancelled.
-  constexpr int k_rows = 64;
-  for (int first = 0; first < combiner.n_rows(); first += k_rows) {
-    report_progress(progress, "shell edit", static_cast<double>(first) / combiner.n_rows());
-    tbb::parallel_for(first, std::min(first + k_rows, combiner.n_rows()),
-                      [&](int row) { volumes[static_cast<std::size_t>(row)] = combiner.combine_row(row); });
+  const BodySampler sampler(grid, body, options);
+  std::vector<double> volumes(texture.opacity.n_bricks());
+  const OpacityGrid sampled = OpacityGrid::make(
+      grid.size(),
+      [&](OpacityGrid::Brick& brick) { volumes[texture.opacity.number_of(brick)] = sampler.sample(brick); },
+      progress, "shell edit");
+  OpacityGrid opacity = OpacityGrid::make(grid.size(), [&](OpacityGrid::Brick& brick) {
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      brick.at(i, j, k) = combined(options.operation, texture.opacity.at(i, j, k), sampled.at(i, j, k));
+    });
+  });
+  if (options.color && options.operation == VolumeOperation::unite) {
+    texture.colors = united_colors(texture, sampled, detail::color_bytes(*options.color),
+                                   detail::color_bytes(options.other_color));
   }
-  report_progress(progress, "shell edit", 1);
-  EditReport report{.changed = detail::count_changed(texture, edited)};
-  if (edited.ramp == 0) {
-    edited.ramp =
+  EditReport report{.changed = detail::count_changed(texture.opacity, opacity)};
+  texture.opacity = std::move(opacity);
+  if (texture.ramp == 0) {
+    texture.ramp =
         options.ramp_texels *
-        edited.extent.cwiseQuotient(Vec3(edited.size[0], edited.size[1], edited.size[2])).maxCoeff();
+        texture.extent.cwiseQuotient(Vec3(texture.size[0], texture.size[1], texture.size[2])).maxCoeff();
   }
   for (const double volume : volumes) report.volume += volume;
-  texture = std::move(edited);
   return report;
 }
 
 EditReport cut(VolumeTexture& texture, const LayerGrid& grid,
                const std::function<bool(const Vec3& place, const Vec3& point)>& is_cut) {
   detail::check_filled_once(texture, grid);
-  std::vector<EditReport> rows(static_cast<std::size_t>(grid.size()[1]));
-  tbb::parallel_for(0, grid.size()[1], [&](int j) {
-    EditReport& row = rows[static_cast<std::size_t>(j)];
-    for (int k = 0; k < grid.size()[2]; ++k) {
-      for (int i = 0; i < grid.size()[0]; ++i) {
-        std::uint8_t& opacity = texture.opacity[texture.texel(i, j, k)];
-        if (opacity == 0 || grid.column(i, j).triangle == k_no_index) continue;
-        if (!is_cut(texture.middle(i, j, k), grid.point(i, j, k))) continue;
-        ++row.changed;
-        row.volume += opacity / 255.0 * grid.texel_volume(i, j, k);
-        opacity = 0;
-      }
-    }
+  const OpacityGrid& before = texture.opacity;
+  std::vector<EditReport> reports(before.n_bricks());
+  texture.opacity = OpacityGrid::make(grid.size(), [&](OpacityGrid::Brick& brick) {
+    brick.copy(before);
+    EditReport& report = reports[before.number_of(brick)];
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      std::uint8_t& opacity = brick.at(i, j, k);
+      if (opacity == 0 || grid.column(i, j).triangle == k_no_index) return;
+      if (!is_cut(texture.middle(i, j, k), grid.point(i, j, k))) return;
+      ++report.changed;
+      report.volume += opacity / 255.0 * grid.texel_volume(i, j, k);
+      opacity = 0;
+    });
   });
-  EditReport report;
-  for (const EditReport& row : rows) {
-    report.changed += row.changed;
-    report.volume += row.volume;
+  EditReport sum;
+  for (const EditReport& report : reports) {
+    sum.changed += report.changed;
+    sum.volume += report.volume;
   }
-  return report;
+  return sum;
 }
 
 }  // namespace recede

@@ -32,7 +32,11 @@ class Writer {
     for (const Vector& vector : vectors)
       for (const double x : vector) number(x);
   }
-  void texels(const void* from, std::size_t n) { bytes_.append(static_cast<const char*>(from), n); }
+  template <typename Texel>
+  void texels(const BrickGrid<Texel>& grid) {
+    const std::vector<Texel> dense = grid.to_dense();
+    bytes_.append(reinterpret_cast<const char*>(dense.data()), dense.size() * sizeof(Texel));
+  }
 
   const std::string& bytes() const { return bytes_; }
 
@@ -67,11 +71,12 @@ class Reader {
     return result;
   }
   template <typename Texel>
-  void texels(std::size_t n, std::vector<Texel>& to) {
-    need(n * sizeof(Texel));  // before there is room for them
-    to.resize(n);
-    std::memcpy(to.data(), bytes_.data() + at_, n * sizeof(Texel));
+  BrickGrid<Texel> texels(const std::array<int, 3>& size) {
+    const std::size_t n = TexelBox{{0, 0, 0}, size}.n_texels();
+    need(n * sizeof(Texel));
+    const auto* first = reinterpret_cast<const Texel*>(bytes_.data() + at_);
     at_ += n * sizeof(Texel);
+    return BrickGrid<Texel>::from_dense(size, {first, n});
   }
   void end() {
     if (at_ != bytes_.size()) refuse("more than a textured shell is in the file");
@@ -157,8 +162,8 @@ void write_texture(Writer& writer, const VolumeTexture& texture) {
   writer.count(texture.colors.empty() ? 0 : 1);
   for (const double length : texture.extent) writer.number(length);
   writer.number(texture.ramp);
-  writer.texels(texture.opacity.data(), texture.opacity.size());
-  writer.texels(texture.colors.data(), 3 * texture.colors.size());
+  writer.texels(texture.opacity);
+  writer.texels(texture.colors);
 }
 
 VolumeTexture read_texture(Reader& reader) {
@@ -169,8 +174,8 @@ VolumeTexture read_texture(Reader& reader) {
   const bool has_colors = reader.count(1) == 1;
   for (double& length : texture.extent) length = reader.number();
   texture.ramp = reader.number();
-  reader.texels(texture.n_texels(), texture.opacity);
-  if (has_colors) reader.texels(texture.n_texels(), texture.colors);
+  texture.opacity = reader.texels<std::uint8_t>(texture.size);
+  if (has_colors) texture.colors = reader.texels<std::array<std::uint8_t, 3>>(texture.size);
   validate(texture, reader.name());
   return texture;
 }

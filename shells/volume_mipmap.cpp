@@ -1,11 +1,11 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/raster.h>
 #include <recede/shells/detail/matter_calibration.h>
+#include <recede/shells/detail/matter_statistics.h>
 #include <recede/shells/detail/volume_sampler.h>
 #include <recede/shells/volume_mipmap.h>
 
 #include <Eigen/Eigenvalues>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,21 +18,22 @@ double opacity_in_row(double first, double second, double correlation) {
   return (1 - correlation) * (1 - (1 - first) * (1 - second)) + correlation * std::max(first, second);
 }
 
-std::size_t TransparentVolume::texel_at(const Vec3& place, bool is_periodic) const {
+std::array<int, 3> TransparentVolume::texel_at(const Vec3& place, bool is_periodic) const {
   std::array<int, 3> cell{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double at = place[static_cast<int>(axis)];
     if (axis < 2 && is_periodic) at -= std::floor(at);
     cell[axis] = std::clamp(static_cast<int>(std::floor(at * size[axis])), 0, size[axis] - 1);
   }
-  return texel(cell[0], cell[1], cell[2]);
+  return cell;
 }
 
-double TransparentVolume::opacity_along(std::size_t texel, const Vec3& direction) const {
+double TransparentVolume::opacity_along(const std::array<int, 3>& texel, const Vec3& direction) const {
+  const std::array<std::uint8_t, 3>& along_axes = opacity.at(texel);
   double sum = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double along = direction[static_cast<int>(axis)];
-    sum += along * along * opacity[texel][axis];
+    sum += along * along * along_axes[axis];
   }
   return sum / 255;
 }
@@ -41,221 +42,127 @@ namespace {
 
 constexpr std::array<std::array<int, 2>, 6> k_entries{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
 
-std::array<std::uint8_t, 6> normal_bytes(const Matrix3& matrix) {
-  std::array<std::uint8_t, 6> bytes{};
-  for (std::size_t e = 0; e < 6; ++e) {
-    const double entry = std::clamp(matrix(k_entries[e][0], k_entries[e][1]), -1.0, 1.0);
-    bytes[e] = static_cast<std::uint8_t>(std::lround(127.5 * (entry + 1)));
-  }
-  return bytes;
-}
-
 std::uint8_t byte_of(double share) {
   return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5);
 }
 
-std::array<int, 3> half(const std::array<int, 3>& size) {
-  return {(size[0] + 1) / 2, (size[1] + 1) / 2, (size[2] + 1) / 2};
-}
-
 bool is_one(const std::array<int, 3>& size) { return size == std::array<int, 3>{1, 1, 1}; }
 
-/// Numbers on a grid.
-struct Grid {
-  std::array<int, 3> size;
-  std::vector<float> values;
+using Shares = BrickGrid<float>;
+using Opacity = BrickGrid<std::uint8_t>;
+using Colors = BrickGrid<std::array<std::uint8_t, 3>>;
 
-  explicit Grid(const std::array<int, 3>& sizes)
-      : size(sizes),
-        values(static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) *
-               static_cast<std::size_t>(sizes[2])) {}
-  std::size_t at(const std::array<int, 3>& cell) const {
-    return static_cast<std::size_t>(cell[0]) +
-           static_cast<std::size_t>(size[0]) *
-               (static_cast<std::size_t>(cell[1]) +
-                static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(cell[2]));
+/// Smaller versions of a texture as a surface, one after the other.
+class SurfaceLevels {
+ public:
+  explicit SurfaceLevels(const VolumeTexture& texture) : level_(texture) {
+    if (!texture.colors.empty()) shares_of_opacity_ = detail::coverage_of_opacity(texture);
   }
+
+  const VolumeTexture& level() const { return level_; }
+
+  void halve() {
+    VolumeTexture next = level_;
+    next.size = detail::half(level_.size);
+    next.opacity = Opacity::make(next.size, [&](Opacity::Brick& brick) { set_opacity(brick); });
+    if (!level_.colors.empty()) {
+      next.colors = Colors::make(next.size, [&](Colors::Brick& brick) { set_colors(brick); });
+      shares_ = Shares::make(next.size, [&](Shares::Brick& brick) { set_shares(brick); });
+    }
+    level_ = std::move(next);
+  }
+
+ private:
+  void set_opacity(Opacity::Brick& brick) const {
+    if (const auto value = level_.opacity.uniform_value(detail::children_of(brick.box(), level_.size))) {
+      brick.fill(*value);
+      return;
+    }
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      double sum = 0;
+      const TexelBox children = children_of(i, j, k);
+      for_each_texel(children, [&](int ci, int cj, int ck) { sum += level_.opacity.at(ci, cj, ck); });
+      brick.at(i, j, k) = static_cast<std::uint8_t>(sum / static_cast<double>(children.n_texels()) + 0.5);
+    });
+  }
+
+  // Means of what is inside of texels.
+  void set_colors(Colors::Brick& brick) const {
+    // A mean of the same is the same but for a rounding far below that to bytes.
+    if (const auto value = level_.colors.uniform_value(detail::children_of(brick.box(), level_.size))) {
+      brick.fill(*value);
+      return;
+    }
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      double weight = 0;
+      Vec3 color = Vec3::Zero();
+      for_each_texel(children_of(i, j, k), [&](int ci, int cj, int ck) {
+        const double share =
+            static_cast<double>(share_at(ci, cj, ck)) + 1e-4;  // empty texels have some colour, too
+        weight += share;
+        const std::array<std::uint8_t, 3>& bytes = level_.colors.at(ci, cj, ck);
+        for (std::size_t c = 0; c < 3; ++c) color[static_cast<int>(c)] += share * linear_[bytes[c]];
+      });
+      for (std::size_t c = 0; c < 3; ++c) {
+        brick.at(i, j, k)[c] = byte_of(
+            static_cast<double>(encode_srgb(static_cast<float>(color[static_cast<int>(c)] / weight))));
+      }
+    });
+  }
+
+  void set_shares(Shares::Brick& brick) const {
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      const TexelBox children = children_of(i, j, k);
+      // Pairs along s, of these pairs along t, of these along r; one without a partner stays.
+      const auto along_s = [&](int cj, int ck) {
+        const float first = share_at(children.first[0], cj, ck);
+        return children.length(0) < 2 ? first : mean(first, share_at(children.first[0] + 1, cj, ck));
+      };
+      const auto along_t = [&](int ck) {
+        const float first = along_s(children.first[1], ck);
+        return children.length(1) < 2 ? first : mean(first, along_s(children.first[1] + 1, ck));
+      };
+      const float first = along_t(children.first[2]);
+      brick.at(i, j, k) = children.length(2) < 2 ? first : mean(first, along_t(children.first[2] + 1));
+    });
+  }
+
+  static float mean(float a, float b) { return (a + b) / 2; }
+
+  float share_at(int i, int j, int k) const {
+    return shares_.empty() ? shares_of_opacity_[level_.opacity.at(i, j, k)] : shares_.at(i, j, k);
+  }
+  TexelBox children_of(int i, int j, int k) const {
+    return detail::children_of({{i, j, k}, {i + 1, j + 1, k + 1}}, level_.size);
+  }
+
+  VolumeTexture level_;
+  detail::CoverageOfOpacity shares_of_opacity_{};  // at the finest level
+  const std::array<double, 256>& linear_ = detail::linear_of_bytes();
+  Shares shares_;  // that are inside, at others; of textures with colours
 };
 
-template <typename Visit>
-void for_each_cell(const std::array<int, 3>& size, Visit&& visit) {
-  tbb::parallel_for(0, size[2], [&](int k) {
-    for (int j = 0; j < size[1]; ++j)
-      for (int i = 0; i < size[0]; ++i) visit(std::array<int, 3>{i, j, k});
-  });
-}
-
-/// The grid with pairs along an axis put together; a last one without a partner stays.
-template <typename Combine>
-Grid halved(const Grid& grid, std::size_t axis, Combine&& combine) {
-  std::array<int, 3> size = grid.size;
-  size[axis] = (size[axis] + 1) / 2;
-  Grid result(size);
-  for_each_cell(size, [&](std::array<int, 3> cell) {
-    const std::size_t place = result.at(cell);
-    cell[axis] *= 2;
-    const float first = grid.values[grid.at(cell)];
-    if (++cell[axis] < grid.size[axis])
-      result.values[place] = combine(first, grid.values[grid.at(cell)]);
-    else
-      result.values[place] = first;
-  });
-  return result;
-}
-
-float larger(float a, float b) { return std::max(a, b); }
-float mean(float a, float b) { return (a + b) / 2; }
-
-/// Share of each texel that is inside, if the surface is flat across it.
-Grid coverage(const VolumeTexture& texture) {
-  Grid grid(texture.size);
-  double side = 0;
+TransparentVolume transparent_level(const detail::MatterStatistics& statistics,
+                                    const VolumeTexture& texture) {
+  TransparentVolume level{.size = texture.size,
+                          .opacity = statistics.opacity(),
+                          .normals = statistics.normals(),
+                          .colors = texture.colors};
   for (std::size_t axis = 0; axis < 3; ++axis)
-    side = std::max(side, texture.extent[static_cast<int>(axis)] / texture.size[axis]);
-  // Of opacity for a step of a texel; without a known ramp, opacity itself is the share.
-  const double steepness = texture.ramp > 0 ? 2 * texture.ramp / side : 1;
-  for (std::size_t i = 0; i < grid.values.size(); ++i) {
-    const double opacity = texture.opacity[i] / 255.0;
-    grid.values[i] = static_cast<float>(std::clamp(0.5 + steepness * (opacity - 0.5), 0.0, 1.0));
-  }
-  return grid;
-}
-
-VolumeTexture halved(const VolumeTexture& texture, const Grid& shares) {
-  VolumeTexture result{.size = half(texture.size),
-                       .is_periodic = texture.is_periodic,
-                       .extent = texture.extent,
-                       .ramp = texture.ramp};
-  result.opacity.resize(result.n_texels());
-  if (!texture.colors.empty()) result.colors.resize(result.n_texels());
-  for_each_cell(result.size, [&](const std::array<int, 3>& cell) {
-    double sum = 0, weight = 0;
-    int count = 0;
-    Vec3 color = Vec3::Zero();
-    for (int child = 0; child < 8; ++child) {
-      const int i = 2 * cell[0] + (child & 1), j = 2 * cell[1] + ((child >> 1) & 1),
-                k = 2 * cell[2] + (child >> 2);
-      if (i >= texture.size[0] || j >= texture.size[1] || k >= texture.size[2]) continue;
-      const std::size_t texel = texture.texel(i, j, k);
-      sum += texture.opacity[texel];
-      ++count;
-      if (texture.colors.empty()) continue;
-      const double share =
-          static_cast<double>(shares.values[texel]) + 1e-4;  // empty texels have some colour, too
-      weight += share;
-      for (std::size_t c = 0; c < 3; ++c)
-        color[static_cast<int>(c)] +=
-            share * static_cast<double>(decode_srgb(static_cast<float>(texture.colors[texel][c]) / 255.0f));
-    }
-    const std::size_t texel = result.texel(cell[0], cell[1], cell[2]);
-    result.opacity[texel] = static_cast<std::uint8_t>(sum / count + 0.5);
-    for (std::size_t c = 0; c < 3 && !texture.colors.empty(); ++c)
-      result.colors[texel][c] =
-          byte_of(static_cast<double>(encode_srgb(static_cast<float>(color[static_cast<int>(c)] / weight))));
-  });
-  return result;
-}
-
-/// What a transparent level is made of, kept from level to level.
-struct Statistics {
-  Grid shares;                   // mean of what is inside
-  std::array<Grid, 3> rows;      // by axis: the largest share in a row, halved along it alone
-  std::vector<Matrix3> normals;  // none at the finest level, whose texels have a piece of surface each
-};
-
-Matrix3 flat_piece(const VolumeTexture& texture, const std::array<int, 3>& cell, double flatness) {
-  const Vec3 normal = detail::texel_gradient(texture, cell).cwiseQuotient(texture.extent);
-  const double length = normal.norm();
-  if (!(length > 0)) return Matrix3::Zero();
-  const Vec3 unit = normal / length;
-  // Where opacity changes most there is most of the surface.
-  return length * (Matrix3::Identity() - (1 - flatness * flatness) * unit * unit.transpose());
-}
-
-// `normal_of` says what a texel of the finer level adds.
-template <typename NormalOf>
-std::vector<Matrix3> summed_normals(const Grid& fine, const Grid& coarse, NormalOf&& normal_of) {
-  std::vector<Matrix3> sums(coarse.values.size(), Matrix3::Zero());
-  for_each_cell(coarse.size, [&](const std::array<int, 3>& cell) {
-    for (int child = 0; child < 8; ++child) {
-      const std::array<int, 3> at{2 * cell[0] + (child & 1), 2 * cell[1] + ((child >> 1) & 1),
-                                  2 * cell[2] + (child >> 2)};
-      if (at[0] < fine.size[0] && at[1] < fine.size[1] && at[2] < fine.size[2])
-        sums[coarse.at(cell)] += normal_of(at);
-    }
-  });
-  return sums;
-}
-
-Grid halved_everywhere(const Grid& grid) { return halved(halved(halved(grid, 0, mean), 1, mean), 2, mean); }
-
-// `texture` is the finest level.
-Statistics halved(const Statistics& fine, const VolumeTexture& texture, double flatness) {
-  Statistics coarse{
-      halved_everywhere(fine.shares),
-      {halved(fine.rows[0], 0, larger), halved(fine.rows[1], 1, larger), halved(fine.rows[2], 2, larger)},
-      {}};
-  coarse.normals = summed_normals(fine.shares, coarse.shares, [&](const std::array<int, 3>& cell) -> Matrix3 {
-    return fine.normals.empty() ? flat_piece(texture, cell, flatness) : fine.normals[fine.shares.at(cell)];
-  });
-  return coarse;
-}
-
-/// Rows along an axis, averaged across it to the texels of a level.
-Grid opacity_of_rows(const Grid& rows, std::size_t axis, const std::array<int, 3>& size) {
-  Grid grid = rows;
-  for (std::size_t other = 0; other < 3; ++other) {
-    while (other != axis && grid.size[other] > size[other]) grid = halved(grid, other, mean);
-  }
-  return grid;
-}
-
-/// The correlation with which rows of up to four texels stop as much as the finest texels say; least squares,
-/// since opacity is linear in it.
-double fitted_correlation(const Grid& rows, std::size_t axis, const Grid& opacity) {
-  Grid independent = opacity, largest = opacity, whole = rows;
-  for (int step = 0; step < 2 && independent.size[axis] > 1; ++step) {
-    independent = halved(independent, axis, [](float a, float b) { return 1 - (1 - a) * (1 - b); });
-    largest = halved(largest, axis, larger);
-    whole = halved(whole, axis, larger);
-  }
-  const Grid exact = opacity_of_rows(whole, axis, independent.size);
-  double numerator = 0, denominator = 0;
-  for (std::size_t i = 0; i < exact.values.size(); ++i) {
-    const double range = static_cast<double>(largest.values[i] - independent.values[i]);
-    numerator += range * static_cast<double>(exact.values[i] - independent.values[i]);
-    denominator += range * range;
-  }
-  return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0;
-}
-
-TransparentVolume transparent_level(const Statistics& statistics, const VolumeTexture& texture,
-                                    double flatness) {
-  TransparentVolume level{.size = texture.size, .colors = texture.colors};
-  const std::size_t n = texture.n_texels();
-  level.opacity.resize(n);
-  level.normals.resize(n);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Grid opacity = opacity_of_rows(statistics.rows[axis], axis, level.size);
-    for (std::size_t i = 0; i < n; ++i)
-      level.opacity[i][axis] = byte_of(static_cast<double>(opacity.values[i]));
-    level.correlation[static_cast<int>(axis)] = fitted_correlation(statistics.rows[axis], axis, opacity);
-  }
-  for_each_cell(level.size, [&](const std::array<int, 3>& cell) {
-    const std::size_t i = level.texel(cell[0], cell[1], cell[2]);
-    const Matrix3 normals =
-        statistics.normals.empty() ? flat_piece(texture, cell, flatness) : statistics.normals[i];
-    const Eigen::SelfAdjointEigenSolver<Matrix3> solver(normals, Eigen::EigenvaluesOnly);
-    const double largest = solver.eigenvalues()[2];
-    level.normals[i] = normal_bytes(largest > 0 ? Matrix3(normals / largest) : Matrix3::Identity());
-  });
+    level.correlation[static_cast<int>(axis)] = statistics.correlation(axis);
   return level;
 }
 
 /// Share of the texels that have an opacity of a half and more.
 double volume_of(const VolumeTexture& texture) {
-  const auto inside = std::count_if(texture.opacity.begin(), texture.opacity.end(),
-                                    [](std::uint8_t opacity) { return opacity >= 128; });
+  std::size_t inside = 0;
+  for (std::size_t brick = 0; brick < texture.opacity.n_bricks(); ++brick) {
+    const TexelBox box = texture.opacity.box(brick);
+    if (const std::optional<std::uint8_t> value = texture.opacity.uniform_value(brick))
+      inside += *value >= 128 ? box.n_texels() : 0;
+    else
+      for_each_texel(box, [&](int i, int j, int k) { inside += texture.opacity.at(i, j, k) >= 128 ? 1 : 0; });
+  }
   return static_cast<double>(inside) / static_cast<double>(texture.n_texels());
 }
 
@@ -289,32 +196,39 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
     throw OptionError("what levels of surfaces may be seen off by is 0 or more");
   if (!(options.flatness > 0) || !(options.flatness <= 1))
     throw OptionError("the flatness of normals must be above 0 and at most 1");
-  Statistics statistics{coverage(texture), {coverage(texture), coverage(texture), coverage(texture)}, {}};
-
   VolumeMipmap mipmap;
   mipmap.surfaces.push_back(texture);
   const std::vector<detail::SeenLayer> exact = detail::measure_layer(texture);
   const double volume = volume_of(texture);
-  VolumeTexture level = texture;
+  detail::MatterStatistics statistics(texture, options.flatness);
+  SurfaceLevels levels(texture);
   bool keeps_shape = true;
-  while (!is_one(level.size)) {
-    const VolumeTexture next = halved(level, statistics.shares);
+  while (!is_one(levels.level().size)) {
+    const VolumeTexture level = levels.level();
+    levels.halve();
     if (keeps_shape) {
-      const double share = volume_of(next);
+      const double share = volume_of(levels.level());
       keeps_shape = share >= options.least_share * volume && options.least_share * share <= volume &&
-                    is_seen_alike(detail::measure_layer(next), exact, options.seen_tolerance);
+                    is_seen_alike(detail::measure_layer(levels.level()), exact, options.seen_tolerance);
     }
-    if (keeps_shape) {
-      mipmap.surfaces.push_back(next);
-    } else {
-      mipmap.transparent.push_back(transparent_level(statistics, level, options.flatness));
-    }
-    statistics = halved(statistics, texture, options.flatness);
-    level = next;
+    if (keeps_shape)
+      mipmap.surfaces.push_back(levels.level());
+    else
+      mipmap.transparent.push_back(transparent_level(statistics, level));
+    statistics.halve();
   }
-  mipmap.transparent.push_back(transparent_level(statistics, level, options.flatness));
+  mipmap.transparent.push_back(transparent_level(statistics, levels.level()));
   for (TransparentVolume& matter : mipmap.transparent) detail::calibrate(texture, exact, matter);
   return mipmap;
+}
+
+std::array<std::uint8_t, 6> normal_bytes(const Matrix3& matrix) {
+  std::array<std::uint8_t, 6> bytes{};
+  for (std::size_t e = 0; e < 6; ++e) {
+    const double entry = std::clamp(matrix(k_entries[e][0], k_entries[e][1]), -1.0, 1.0);
+    bytes[e] = static_cast<std::uint8_t>(std::lround(127.5 * (entry + 1)));
+  }
+  return bytes;
 }
 
 Matrix3 normal_matrix(const std::array<std::uint8_t, 6>& bytes) {

@@ -5,6 +5,7 @@
 #include <recede/shells/volume_texture.h>
 
 #include <memory>
+#include <vector>
 
 namespace recede {
 
@@ -28,27 +29,21 @@ struct MatterDirections {
 struct TransparentVolume {
   std::array<int, 3> size{0, 0, 0};
   /// Share of the rays along s, along t and along r that a texel stops, in 255ths.
-  std::vector<std::array<std::uint8_t, 3>> opacity{};
+  BrickGrid<std::array<std::uint8_t, 3>> opacity{};
   /// How normals are spread: the symmetric matrix Q^-1 of an ellipsoid m' Q m = 1 whose longest axis is 1,
   /// entries 11, 22, 33, 12, 13, 23, -1 to 1 as 0 to 255. In lengths of `VolumeTexture::extent` along s, t,
   /// r.
-  std::vector<std::array<std::uint8_t, 6>> normals{};
-  std::vector<std::array<std::uint8_t, 3>> colors{};  ///< sRGB-encoded, as the texture has them
+  BrickGrid<std::array<std::uint8_t, 6>> normals{};
+  BrickGrid<std::array<std::uint8_t, 3>> colors{};  ///< sRGB-encoded, as the texture has them
   /// How alike the holes of texels in a row along s, t and r are: 0 not at all, 1 the same.
   Vec3 correlation = Vec3::Zero();
   /// By `MatterDirections`, or none.
   std::vector<MatterCorrection> corrections{};
 
-  std::size_t texel(int i, int j, int k) const {
-    return static_cast<std::size_t>(i) +
-           static_cast<std::size_t>(size[0]) *
-               (static_cast<std::size_t>(j) +
-                static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
-  }
   /// The texel around a place (s, t, r).
-  std::size_t texel_at(const Vec3& place, bool is_periodic) const;
+  std::array<int, 3> texel_at(const Vec3& place, bool is_periodic) const;
   /// Opacity along a unit direction: that of the axes by the squares of its coordinates.
-  double opacity_along(std::size_t texel, const Vec3& direction) const;
+  double opacity_along(const std::array<int, 3>& texel, const Vec3& direction) const;
   /// Linear between directions, of density the logarithm; `direction` is unit, in lengths of
   /// `VolumeTexture::extent`.
   MatterCorrection correction_along(const Vec3& direction) const;
@@ -89,7 +84,8 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
 /// between.
 double opacity_in_row(double first, double second, double correlation);
 
-/// Q^-1 of normals, from -1 to 1.
+/// Q^-1 of normals as bytes, from -1 to 1, and back.
+std::array<std::uint8_t, 6> normal_bytes(const Eigen::Matrix3d& matrix);
 Eigen::Matrix3d normal_matrix(const std::array<std::uint8_t, 6>& bytes);
 
 /// The mean of the unit normals of an ellipsoid that are seen along a unit direction, from nine places on its

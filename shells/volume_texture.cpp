@@ -3,7 +3,7 @@
 #include <recede/shells/volume_texture.h>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <fmt/ranges.h>
 
 #include <atomic>
 
@@ -14,13 +14,13 @@ void validate(const VolumeTexture& texture, const std::string& source) {
   for (const int size : texture.size) {
     if (size < 1) refuse("a volume texture needs a texel and more along each axis");
   }
-  if (texture.opacity.size() != texture.n_texels()) {
-    refuse(fmt::format("a volume texture of {} x {} x {} has {} opacities", texture.size[0], texture.size[1],
-                       texture.size[2], texture.opacity.size()));
-  }
-  if (!texture.colors.empty() && texture.colors.size() != texture.n_texels())
-    refuse(fmt::format("a volume texture of {} texels has {} colours", texture.n_texels(),
-                       texture.colors.size()));
+  const auto check_size = [&](const std::array<int, 3>& size, const char* what) {
+    if (size != texture.size)
+      refuse(fmt::format("a volume texture of {} texels has {} of {}", fmt::join(texture.size, " x "), what,
+                         fmt::join(size, " x ")));
+  };
+  check_size(texture.opacity.size(), "opacities");
+  if (!texture.colors.empty()) check_size(texture.colors.size(), "colours");
   if (!(texture.extent.minCoeff() > 0) || !texture.extent.allFinite() || !(texture.ramp >= 0) ||
       !std::isfinite(texture.ramp))
     refuse("lengths of a volume texture must be finite and above 0");
@@ -79,40 +79,46 @@ void check(const VolumeOptions& options) {
 VolumeTexture make_volume(const InsideDistance& inside, const VolumeOptions& options, Progress* progress) {
   check(options);
   VolumeTexture texture{.size = options.size, .is_periodic = options.is_periodic, .extent = options.extent};
-  texture.opacity.resize(texture.n_texels());
-  if (options.color) texture.colors.resize(texture.n_texels());
   double side = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     side = std::max(side, options.extent[static_cast<int>(axis)] / options.size[axis]);
   texture.ramp = options.ramp_texels * side;
+  const auto point_of = [&](int i, int j, int k) -> Vec3 {
+    return texture.middle(i, j, k).cwiseProduct(texture.extent);
+  };
 
   std::atomic<std::size_t> first_bad = texture.n_texels();  // the least, whatever the threads
-  for (int k = 0; k < texture.size[2]; ++k) {
-    report_progress(progress, "volume texture", static_cast<double>(k) / texture.size[2]);
-    tbb::parallel_for(0, texture.size[1], [&](int j) {
-      for (int i = 0; i < texture.size[0]; ++i) {
-        const Vec3 point = texture.middle(i, j, k).cwiseProduct(texture.extent);
-        const double distance = inside(point);
-        const std::size_t texel = texture.texel(i, j, k);
-        if (std::isnan(distance)) {
-          std::size_t least = first_bad;
-          while (texel < least && !first_bad.compare_exchange_weak(least, texel)) {
-          }
-          continue;
-        }
-        const double opacity = detail::ramped_opacity(distance, texture.ramp);
-        texture.opacity[texel] = detail::opacity_byte(opacity);
-        if (options.color) texture.colors[texel] = detail::color_bytes(options.color(point));
+  const auto set_opacity = [&](BrickGrid<std::uint8_t>::Brick& brick) {
+    brick.fill(0);
+    const std::array<int, 3>& first = brick.box().first;
+    if (texture.texel(first[0], first[1], first[2]) > first_bad) return;
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      const double distance = inside(point_of(i, j, k));
+      if (!std::isnan(distance)) {
+        brick.at(i, j, k) = detail::opacity_byte(detail::ramped_opacity(distance, texture.ramp));
+        return;
+      }
+      const std::size_t texel = texture.texel(i, j, k);
+      std::size_t least = first_bad;
+      while (texel < least && !first_bad.compare_exchange_weak(least, texel)) {
       }
     });
-    if (first_bad < texture.n_texels()) {
-      const std::size_t row = static_cast<std::size_t>(texture.size[0]),
-                        in_layer = first_bad % (row * static_cast<std::size_t>(texture.size[1]));
-      throw InputError(fmt::format("the volume texture is not a number at texel ({}, {}, {})", in_layer % row,
-                                   in_layer / row, k));
-    }
+  };
+  texture.opacity = BrickGrid<std::uint8_t>::make(texture.size, set_opacity, progress, "volume texture");
+  if (first_bad < texture.n_texels()) {
+    const std::size_t row = static_cast<std::size_t>(texture.size[0]),
+                      layer = row * static_cast<std::size_t>(texture.size[1]), bad = first_bad;
+    throw InputError(fmt::format("the volume texture is not a number at texel ({}, {}, {})", bad % row,
+                                 bad % layer / row, bad / layer));
   }
-  report_progress(progress, "volume texture", 1);
+  if (!options.color) return texture;
+  using Colors = BrickGrid<std::array<std::uint8_t, 3>>;
+  const auto set_colors = [&](Colors::Brick& brick) {
+    for_each_texel(brick.box(), [&](int i, int j, int k) {
+      brick.at(i, j, k) = detail::color_bytes(options.color(point_of(i, j, k)));
+    });
+  };
+  texture.colors = Colors::make(texture.size, set_colors, progress, "colours of the volume texture");
   return texture;
 }
 

@@ -7,12 +7,13 @@
 
 #include <recede/geometry/progress.h>
 #include <recede/geometry/vec.h>
+#include <recede/shells/brick_grid.h>
 
 #include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <vector>
+#include <string>
 
 namespace recede {
 
@@ -20,12 +21,11 @@ namespace recede {
 /// Texel (i, j, k) has its middle at ((i + 1/2) / size[0], (j + 1/2) / size[1], (k + 1/2) / size[2]).
 struct VolumeTexture {
   std::array<int, 3> size{0, 0, 0};  ///< texels along s, t and r, each at least 1
-  /// What it shows is where opacity is a half and more, in 255ths: 0 outside, 255 inside. s runs fastest,
-  /// then t, then r.
-  std::vector<std::uint8_t> opacity{};
-  std::vector<std::array<std::uint8_t, 3>> colors{};  ///< sRGB-encoded, of each texel; or none
-  bool is_periodic = true;                            ///< along s and t; else it goes on as at its borders
-  Vec3 extent = Vec3::Ones();                         ///< lengths of a period along s, t and r, in one unit
+  /// What it shows is where opacity is a half and more, in 255ths: 0 outside, 255 inside.
+  BrickGrid<std::uint8_t> opacity{};
+  BrickGrid<std::array<std::uint8_t, 3>> colors{};  ///< sRGB-encoded, of each texel; or none
+  bool is_periodic = true;                          ///< along s and t; else it goes on as at its borders
+  Vec3 extent = Vec3::Ones();                       ///< lengths of a period along s, t and r, in one unit
   /// Opacity goes from 0 to 1 over twice this length around the surface, in the same unit. 0: unknown.
   double ramp = 0;
 
@@ -33,6 +33,7 @@ struct VolumeTexture {
     return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
            static_cast<std::size_t>(size[2]);
   }
+  /// Number of a texel in lists of all: s runs fastest, then t, then r.
   std::size_t texel(int i, int j, int k) const {
     return static_cast<std::size_t>(i) +
            static_cast<std::size_t>(size[0]) *
@@ -45,7 +46,7 @@ struct VolumeTexture {
   }
 };
 
-/// Throws `InputError`, with `source` in front, for sizes below 1, lists of other lengths than these say, and
+/// Throws `InputError`, with `source` in front, for sizes below 1, grids of other sizes than these, and
 /// lengths that aren't finite and above 0.
 void validate(const VolumeTexture& texture, const std::string& source);
 

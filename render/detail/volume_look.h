@@ -4,6 +4,7 @@
 #include <recede/render/detail/layer_cell.h>
 #include <recede/render/detail/user_geometry.h>
 #include <recede/render/shell_volume.h>
+#include <recede/shells/detail/empty_regions.h>
 
 #include <array>
 #include <span>
@@ -86,6 +87,7 @@ class VolumeLook {
       footprints_;                     // of cells: shortest side of a texel, mean one along the surface
   std::vector<std::uint8_t> borders_;  // of cells: bit k, no neighbour beyond the side from corner k
   std::vector<Vec3> slopes_;           // of levels of surfaces: most that opacity changes for a texel
+  std::vector<EmptyRegions> empty_;    // of levels of surfaces
   std::optional<VolumeView> view_;     // in the scaled scene
 };
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace recede::detail {
 
@@ -20,7 +19,7 @@ class MatterPath {
   /// `middle` is the place in the step's middle, `move` how far the place moves in the whole step. Returns
   /// what share of such rays was stopped so far.
   double advance(const Vec3& middle, const Vec3& move) {
-    const std::size_t texel = matter_.texel_at(middle, finest_.is_periodic);
+    const std::array<int, 3> texel = matter_.texel_at(middle, finest_.is_periodic);
     const Vec3 size(matter_.size[0], matter_.size[1], matter_.size[2]);
     const double texels = move.cwiseProduct(size).norm();
     direction_ = move.cwiseProduct(finest_.extent).stableNormalized();
@@ -38,7 +37,7 @@ class MatterPath {
     return (1 - correlation) * (1 - open_) + correlation * densest_;
   }
 
-  std::size_t texel() const { return texel_; }
+  const std::array<int, 3>& texel() const { return texel_; }
   /// Of the last step, unit, in lengths of the texture's extent.
   const Vec3& direction() const { return direction_; }
 
@@ -46,7 +45,7 @@ class MatterPath {
   const TransparentVolume& matter_;
   const VolumeTexture& finest_;
   double open_ = 1, densest_ = 0, in_texel_ = 0;
-  std::size_t texel_ = std::numeric_limits<std::size_t>::max();
+  std::array<int, 3> texel_{-1, -1, -1};
   Vec3 direction_ = Vec3::UnitZ();
 };
 

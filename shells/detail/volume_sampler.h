@@ -10,24 +10,6 @@
 
 namespace recede::detail {
 
-/// The eight texels around a place, and how near it is to the later ones.
-struct VolumeCell {
-  std::array<std::size_t, 8> texels;  ///< bit 0: later along s, bit 1: along t, bit 2: along r
-  Vec3 share;
-
-  template <typename Value>
-  auto blend(Value&& value) const {
-    // Not what Eigen makes of sums, which refers to what is gone by then.
-    using Number = std::decay_t<decltype(value(std::size_t{0}))>;
-    const double u = share.x(), v = share.y(), w = share.z();
-    const auto row = [&](std::size_t first) -> Number {
-      return (1 - u) * value(texels[first]) + u * value(texels[first + 1]);
-    };
-    const Number before = (1 - v) * row(0) + v * row(2), behind = (1 - v) * row(4) + v * row(6);
-    return Number((1 - w) * before + w * behind);
-  }
-};
-
 /// The texel before a place and the one behind it, of `size` along an axis, and the share of the second.
 struct VolumeAxis {
   int before, behind;
@@ -51,26 +33,41 @@ struct VolumeAxis {
   }
 };
 
-inline VolumeCell volume_cell(const std::array<int, 3>& size, bool is_periodic, const Vec3& place) {
-  const VolumeAxis s(place.x(), size[0], is_periodic), t(place.y(), size[1], is_periodic),
-      r(place.z(), size[2], false);
-  const auto row = static_cast<std::size_t>(size[0]), layer = row * static_cast<std::size_t>(size[1]);
-  const std::size_t s0 = static_cast<std::size_t>(s.before), s1 = static_cast<std::size_t>(s.behind),
-                    t0 = row * static_cast<std::size_t>(t.before),
-                    t1 = row * static_cast<std::size_t>(t.behind),
-                    r0 = layer * static_cast<std::size_t>(r.before),
-                    r1 = layer * static_cast<std::size_t>(r.behind);
-  return {{s0 + t0 + r0, s1 + t0 + r0, s0 + t1 + r0, s1 + t1 + r0, s0 + t0 + r1, s1 + t0 + r1, s0 + t1 + r1,
-           s1 + t1 + r1},
-          {s.share, t.share, r.share}};
-}
+/// The eight texels around a place, and how near it is to the later ones.
+struct VolumeCell {
+  std::array<int, 3> before, behind;
+  Vec3 share;
+
+  VolumeCell(const std::array<int, 3>& size, bool is_periodic, const Vec3& place)
+      : VolumeCell(VolumeAxis(place.x(), size[0], is_periodic), VolumeAxis(place.y(), size[1], is_periodic),
+                   VolumeAxis(place.z(), size[2], false)) {}
+
+  /// Of what `value` makes of texels.
+  template <typename Texel, typename Value>
+  auto blend(const BrickGrid<Texel>& grid, Value&& value) const {
+    // Not what Eigen makes of sums, which refers to what is gone by then.
+    using Number = std::decay_t<decltype(value(Texel{}))>;
+    const std::array<Texel, 8> texels = grid.corners(before, behind);
+    const double u = share.x(), v = share.y(), w = share.z();
+    const auto row = [&](std::size_t first) -> Number {
+      return (1 - u) * value(texels[first]) + u * value(texels[first + 1]);
+    };
+    const Number front = (1 - v) * row(0) + v * row(2), back = (1 - v) * row(4) + v * row(6);
+    return Number((1 - w) * front + w * back);
+  }
+
+ private:
+  VolumeCell(const VolumeAxis& s, const VolumeAxis& t, const VolumeAxis& r)
+      : before{s.before, t.before, r.before},
+        behind{s.behind, t.behind, r.behind},
+        share(s.share, t.share, r.share) {}
+};
 
 /// 0 to 1.
 inline double sampled_opacity(const VolumeTexture& texture, const Vec3& place) {
-  const std::uint8_t* opacity = texture.opacity.data();
-  return volume_cell(texture.size, texture.is_periodic, place).blend([opacity](std::size_t texel) {
-    return static_cast<double>(opacity[texel]);
-  }) * (1 / 255.0);
+  const VolumeCell cell(texture.size, texture.is_periodic, place);
+  return cell.blend(texture.opacity, [](std::uint8_t opacity) { return static_cast<double>(opacity); }) *
+         (1 / 255.0);
 }
 
 /// `opacity_gradient` at a texel's middle, from the texels on both sides of it.
@@ -90,8 +87,7 @@ inline Vec3 texel_gradient(const VolumeTexture& texture, const std::array<int, 3
       behind[axis] = std::min(behind[axis], size - 1);
       steps = behind[axis] - before[axis];
     }
-    const int rise = texture.opacity[texture.texel(behind[0], behind[1], behind[2])] -
-                     texture.opacity[texture.texel(before[0], before[1], before[2])];
+    const int rise = texture.opacity.at(behind) - texture.opacity.at(before);
     gradient[static_cast<int>(axis)] = steps > 0 ? rise / 255.0 * size / steps : 0;
   }
   return gradient;
@@ -102,14 +98,25 @@ inline Vec3 linear_color(const Vec3& bytes) {
       [](double byte) { return static_cast<double>(decode_srgb(static_cast<float>(byte) / 255.0f)); });
 }
 
+/// The same of one channel, by its byte.
+inline const std::array<double, 256>& linear_of_bytes() {
+  static const std::array<double, 256> numbers = [] {
+    std::array<double, 256> made{};
+    for (std::size_t byte = 0; byte < made.size(); ++byte)
+      made[byte] = static_cast<double>(decode_srgb(static_cast<float>(byte) / 255.0f));
+    return made;
+  }();
+  return numbers;
+}
+
 inline Vec3 number_of(const std::array<std::uint8_t, 3>& bytes) {
   return {static_cast<double>(bytes[0]), static_cast<double>(bytes[1]), static_cast<double>(bytes[2])};
 }
 
 /// Linear light; there must be colours. Between texels what is encoded is blended.
 inline Vec3 sampled_color(const VolumeTexture& texture, const Vec3& place) {
-  const VolumeCell cell = volume_cell(texture.size, texture.is_periodic, place);
-  return linear_color(cell.blend([&](std::size_t texel) { return number_of(texture.colors[texel]); }));
+  const VolumeCell cell(texture.size, texture.is_periodic, place);
+  return linear_color(cell.blend(texture.colors, number_of));
 }
 
 /// Opacity in and around a surface, from the signed distance, above 0 inside: 0 to 1 over twice the ramp.

@@ -424,7 +424,7 @@ TEST(SliceRenderer, SlabsAreThoseOfTheShell) {
   const auto shell =
       std::make_shared<const Shell>(build_shell(square, {.thickness = 1, .method = DirectorMethod::normals}));
   const auto texture =
-      std::make_shared<const VolumeMipmap>(make_mipmap(VolumeTexture{.size = {1, 1, 1}, .opacity = {0}}));
+      std::make_shared<const VolumeMipmap>(make_mipmap({.size = {1, 1, 1}, .opacity = {{1, 1, 1}, 0}}));
   const TexturedShell textured{
       .shell = shell, .texture = texture, .coordinates = {.repeat = {2, 1}, .offset = {0.5, 0}}};
   const std::vector<Slab> quads = slabs_of(textured, square), triangles = slabs_of(textured, shell->base);

@@ -69,7 +69,8 @@ TEST(CarveCommand, TakesABallOutOfMatter) {
   EXPECT_LT(result["volume"], 0.12);
   const TexturedShell read = read_textured_shell(carved, {.make_mipmap = false});
   std::size_t empty = 0;
-  for (const std::uint8_t opacity : read.texture->surfaces[0].opacity) empty += opacity == 0 ? 1 : 0;
+  for (const std::uint8_t opacity : read.texture->surfaces[0].opacity.to_dense())
+    empty += opacity == 0 ? 1 : 0;
   EXPECT_GT(empty, 500u);
   // What was carved can be filled again.
   const nlohmann::json filled =

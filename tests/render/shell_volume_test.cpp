@@ -128,12 +128,12 @@ TEST(ShellVolume, TwoTexturesInALayerAreTheirUnion) {
   };
   for (const int moved : {0, 4}) {  // texels
     VolumeTexture both = first;
-    for (int k = 0; k < 32; ++k)
-      for (int j = 0; j < 32; ++j)
-        for (int i = moved; i < 32; ++i) {
-          std::uint8_t& opacity = both.opacity[both.texel(i, j, k)];
-          opacity = std::max(opacity, second.opacity[second.texel(i - moved, j, k)]);
-        }
+    both.opacity = BrickGrid<std::uint8_t>::make(both.size, [&](BrickGrid<std::uint8_t>::Brick& brick) {
+      for_each_texel(brick.box(), [&](int i, int j, int k) {
+        const std::uint8_t other = i < moved ? std::uint8_t{0} : second.opacity.at(i - moved, j, k);
+        brick.at(i, j, k) = std::max(first.opacity.at(i, j, k), other);
+      });
+    });
     std::vector<PlacedVolume> two{in_layer(first), in_layer(second)};
     two[1].textured.coordinates.offset.x() = -moved / 32.0;
     const PlacedVolume united = in_layer(both);
@@ -290,10 +290,8 @@ TEST(ShellVolume, LevelsAreSeenInTheirRangeOnly) {
   const std::shared_ptr<const VolumeMipmap> whole = sheet.volume.textured.texture;
   const int first = whole->first_transparent();
   VolumeMipmap opaque = *whole, hollow = *whole;
-  for (TransparentVolume& matter : opaque.transparent)
-    for (auto& opacity : matter.opacity) opacity = {255, 255, 255};
-  for (VolumeTexture& surface : hollow.surfaces)
-    std::fill(surface.opacity.begin(), surface.opacity.end(), std::uint8_t{0});
+  for (TransparentVolume& matter : opaque.transparent) matter.opacity = {matter.size, {255, 255, 255}};
+  for (VolumeTexture& surface : hollow.surfaces) surface.opacity = {surface.size, 0};
   const auto changes = [&](const VolumeMipmap& other, double level) {
     sheet.volume.textured.texture = whole;
     const Image image = sheet.picture_at(level);

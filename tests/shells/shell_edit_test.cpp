@@ -159,7 +159,7 @@ TEST(ShellEdit, CombinesAsTexelByTexel) {
       }
     }
     EXPECT_EQ(combine(texture, grid, used, {.operation = operation}).changed, changed);
-    ASSERT_EQ(texture.opacity, expected);
+    ASSERT_EQ(texture.opacity.to_dense(), expected);
   }
 }
 
@@ -181,7 +181,7 @@ TEST(ShellEdit, MeasuresTheBodyInTheLayer) {
     for (int j = 0; j < 100; ++j)
       for (int i = 0; i < 100; ++i)
         if (grid.column(i, j).triangle != k_no_index)
-          left += other.opacity[other.texel(i, j, k)] / 255.0 * grid.texel_volume(i, j, k);
+          left += other.opacity.at(i, j, k) / 255.0 * grid.texel_volume(i, j, k);
   // Ramps of opacity are four texels wide, of volumes one: over a curved surface they differ.
   EXPECT_NEAR(left + carved.volume, 4 * 0.6, 4 * 0.6 * 0.01);
   EXPECT_GT(carved.volume, 1);
@@ -195,8 +195,8 @@ TEST(ShellEdit, UnitesWithColors) {
   combine(texture, grid, ball({0.4, 0, 0.25}, 0.2),
           {.operation = VolumeOperation::unite, .color = Vec3(1, 0, 0), .other_color = Vec3(0, 0, 1)});
   const auto color_at = [&](const Vec3& place) {
-    return texture.colors[texture.texel(static_cast<int>(place.x() * 40), static_cast<int>(place.y() * 40),
-                                        static_cast<int>(place.z() * 10))];
+    return texture.colors.at(static_cast<int>(place.x() * 40), static_cast<int>(place.y() * 40),
+                             static_cast<int>(place.z() * 10));
   };
   EXPECT_EQ(color_at({0.5 - 0.4 * 0.4, 0.5, 0.5}), (std::array<std::uint8_t, 3>{0, 0, 255}));
   EXPECT_EQ(color_at({0.5 + 0.4 * 0.4, 0.5, 0.5}), (std::array<std::uint8_t, 3>{255, 0, 0}));
@@ -213,13 +213,12 @@ TEST(ShellEdit, CutsExactlyTheRegion) {
   for (int k = 0; k < 6; ++k) {
     for (int j = 0; j < 48; ++j) {
       for (int i = 0; i < 48; ++i) {
-        const std::size_t texel = texture.texel(i, j, k);
         const bool is_there = grid.column(i, j).triangle != k_no_index;
         if (is_there && is_cut(texture.middle(i, j, k), grid.point(i, j, k))) {
-          EXPECT_EQ(texture.opacity[texel], 0);
-          changed += before.opacity[texel] > 0 ? 1 : 0;
+          EXPECT_EQ(texture.opacity.at(i, j, k), 0);
+          changed += before.opacity.at(i, j, k) > 0 ? 1 : 0;
         } else {
-          EXPECT_EQ(texture.opacity[texel], before.opacity[texel]);
+          EXPECT_EQ(texture.opacity.at(i, j, k), before.opacity.at(i, j, k));
         }
       }
     }
@@ -251,10 +250,10 @@ TEST(ShellEdit, UnwrapsWhatRepeats) {
   for (const auto& [i, j, k] : {std::array{20, 30, 2}, {50, 11, 5}, {75, 50, 1}}) {
     const Vec3 place = unwrapped.middle(i, j, k);
     const Vec2 st = textured.coordinates.of(place.head<2>());
-    EXPECT_NEAR(unwrapped.opacity[unwrapped.texel(i, j, k)] / 255.0,
-                opacity_at(source, {st.x(), st.y(), place.z()}), 0.5 / 255 + 1e-9);
+    EXPECT_NEAR(unwrapped.opacity.at(i, j, k) / 255.0, opacity_at(source, {st.x(), st.y(), place.z()}),
+                0.5 / 255 + 1e-9);
   }
-  EXPECT_EQ(unwrapped.colors.size(), unwrapped.n_texels());
+  EXPECT_EQ(unwrapped.colors.size(), unwrapped.size);
   EXPECT_FALSE(unwrapped.is_periodic);
 }
 
@@ -301,8 +300,9 @@ TEST(ShellEdit, MovesMatterOverAPlane) {
   const Vec3 from(-0.4, -0.3, 0.15), to(0.35, 0.25, 0.15);
   const auto largest_difference = [](const VolumeTexture& a, const VolumeTexture& b) {
     int most = 0;
-    for (std::size_t i = 0; i < a.opacity.size(); ++i)
-      most = std::max(most, std::abs(a.opacity[i] - b.opacity[i]));
+    for_each_texel({{0, 0, 0}, a.size}, [&](int i, int j, int k) {
+      most = std::max(most, std::abs(a.opacity.at(i, j, k) - b.opacity.at(i, j, k)));
+    });
     return most;
   };
   VolumeTexture moved = with_balls({from});
@@ -345,7 +345,7 @@ TEST(ShellEdit, MovesMatterOverACurve) {
       for (int j = 0; j < 200; ++j)
         for (int i = 0; i < 200; ++i)
           if (grid.column(i, j).triangle != k_no_index) {
-            const double part = texture.opacity[texture.texel(i, j, k)] / 255.0 * grid.texel_volume(i, j, k);
+            const double part = texture.opacity.at(i, j, k) / 255.0 * grid.texel_volume(i, j, k);
             volume += part;
             sum += part * grid.point(i, j, k);
           }
@@ -382,7 +382,7 @@ TEST(ShellEdit, IsTheSameForAnyNumberOfThreads) {
                 {.from = nearest_place(*shell, {0.2, 0, 1}),
                  .to = nearest_place(*shell, {-0.5, 0.2, 0.8}),
                  .radius = 0.3});
-    return std::pair(texture.opacity, volume);
+    return std::pair(texture.opacity.to_dense(), volume);
   };
   const auto many = run();
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -414,7 +414,7 @@ TEST(ShellEdit, RefusesWhatItCannotEdit) {
   EXPECT_THROW(combine(texture, grid, body, {.color = Vec3(2, 0, 0)}), OptionError);
   EXPECT_THROW(make_uniform_volume(grid, 1.5), OptionError);
   Impatient impatient;
-  const std::vector<std::uint8_t> before = texture.opacity;
+  const BrickGrid<std::uint8_t> before = texture.opacity;
   EXPECT_THROW(combine(texture, grid, body, {}, &impatient), Cancelled);
   EXPECT_EQ(texture.opacity, before);
   const ShellPlace place = nearest_place(*shell, {0, 0, 0});
@@ -434,7 +434,7 @@ TEST(ShellEdit, AnimatesBaseAndTextureApart) {
   for (std::size_t v = 0; v < all.size(); ++v) all[v] = static_cast<Index>(v);
   const std::vector<Index> triangles = shell.base.corner_vertices;
   const std::vector<Vec2> coordinates = shell.base.corner_uvs;
-  std::vector<std::vector<std::uint8_t>> textures;
+  std::vector<BrickGrid<std::uint8_t>> textures;
   for (int frame = 0; frame < 3; ++frame) {
     PolygonSoup waving = shell.base;
     waving.positions = rest.positions;

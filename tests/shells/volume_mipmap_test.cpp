@@ -19,8 +19,8 @@ using Matrix3 = Eigen::Matrix3d;
 
 double mean_opacity(const VolumeTexture& texture) {
   double sum = 0;
-  for (const std::uint8_t opacity : texture.opacity) sum += opacity / 255.0;
-  return sum / static_cast<double>(texture.opacity.size());
+  for (const std::uint8_t opacity : texture.opacity.to_dense()) sum += opacity / 255.0;
+  return sum / static_cast<double>(texture.n_texels());
 }
 
 // Bars along t, round, a quarter of a period apart.
@@ -45,9 +45,10 @@ TEST(VolumeMipmap, KeepsTheMeanAndStopsBeforeThingsVanish) {
   EXPECT_GE(kept.surfaces.size(), 2u);
   EXPECT_LT(kept.surfaces.size(), 5u);
   const auto inside = [](const VolumeTexture& level) {
-    return static_cast<double>(std::count_if(level.opacity.begin(), level.opacity.end(),
+    const std::vector<std::uint8_t> texels = level.opacity.to_dense();
+    return static_cast<double>(std::count_if(texels.begin(), texels.end(),
                                              [](std::uint8_t opacity) { return opacity >= 128; })) /
-           static_cast<double>(level.opacity.size());
+           static_cast<double>(texels.size());
   };
   for (const VolumeTexture& level : kept.surfaces) EXPECT_GE(inside(level), 0.75 * inside(texture));
   // The last one, without a share to keep, is empty.
@@ -62,9 +63,10 @@ TEST(VolumeMipmap, KnowsTheDirectionOfBars) {
   const VolumeMipmap mipmap = make_mipmap(bars(64));
   const TransparentVolume& last = mipmap.transparent.back();
   // Bars cover 4 * 0.16 of the side, seen along r, and 4 * pi * 0.08^2 of their ends' 0.25.
-  EXPECT_NEAR(last.opacity_along(0, Vec3::UnitZ()), 0.64, 0.02);  // a texel's half width at 8 borders, of 64
-  EXPECT_NEAR(last.opacity_along(0, Vec3::UnitY()), 16 * std::numbers::pi * 0.08 * 0.08, 0.03);
-  EXPECT_NEAR(last.opacity_along(0, Vec3::UnitX()), 0.64, 0.02);
+  EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitZ()), 0.64,
+              0.02);  // a texel's half width at 8 borders, of 64
+  EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitY()), 16 * std::numbers::pi * 0.08 * 0.08, 0.03);
+  EXPECT_NEAR(last.opacity_along({0, 0, 0}, Vec3::UnitX()), 0.64, 0.02);
   // Along t, texels in a row have the same holes.
   const TransparentVolume& middle = mipmap.transparent[1];
   EXPECT_GT(middle.correlation.y(), 0.9);
@@ -91,14 +93,14 @@ TEST(VolumeMipmap, NormalsOfABallAndOfAPlane) {
   const VolumeTexture ball =
       make_volume([](const Vec3& point) { return 0.35 - (point - Vec3(0.5, 0.5, 0.5)).norm(); },
                   {.size = {32, 32, 32}, .extent = Vec3::Ones()});
-  const Matrix3 of_ball = normal_matrix(make_mipmap(ball).transparent.back().normals.front());
+  const Matrix3 of_ball = normal_matrix(make_mipmap(ball).transparent.back().normals.at(0, 0, 0));
   EXPECT_LT((of_ball - Matrix3::Identity()).norm(), 0.05);  // the grid is no ball
   EXPECT_NEAR(mean_normal_along(of_ball, Vec3(1, 2, 3).normalized()).norm(), 2.0 / 3, 0.02);
 
   const VolumeTexture plane = make_volume([](const Vec3& point) { return 0.4 - point.z(); },
                                           {.size = {16, 16, 16}, .extent = Vec3::Ones()});
   const Matrix3 of_plane =
-      normal_matrix(make_mipmap(plane, {.flatness = 0.08}).transparent.back().normals.front());
+      normal_matrix(make_mipmap(plane, {.flatness = 0.08}).transparent.back().normals.at(0, 0, 0));
   EXPECT_NEAR(of_plane(0, 0), 1, 0.01);
   EXPECT_NEAR(of_plane(2, 2), 0.08 * 0.08, 0.01);
   // Seen from above: up, and as long as a unit; flat discs bend their normals at the rim only.
@@ -237,7 +239,7 @@ TEST(VolumeMipmap, MeanNormalsAreThoseOfTheWholeOutline) {
 TEST(VolumeMipmap, NormalMatricesStayEllipsoids) {
   for (const ProceduralVolume& volume : {chain_mail(), weave(), bark()}) {
     for (const TransparentVolume& level : make_mipmap(make_volume(volume, 32)).transparent) {
-      for (const auto& bytes : level.normals) {
+      for (const auto& bytes : level.normals.to_dense()) {
         const Eigen::SelfAdjointEigenSolver<Matrix3> solver(normal_matrix(bytes));
         EXPECT_GT(solver.eigenvalues()[0], -0.01);  // three entries are each rounded by 1/255
         EXPECT_LE(solver.eigenvalues()[2], 1.01);
@@ -247,10 +249,10 @@ TEST(VolumeMipmap, NormalMatricesStayEllipsoids) {
 }
 
 TEST(VolumeMipmap, TakesTexturesOfOneTexelAndOddSizes) {
-  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {200}};
+  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {{1, 1, 1}, 200}};
   const VolumeMipmap mipmap = make_mipmap(one);
   EXPECT_EQ(mipmap.n_levels(), 1);
-  EXPECT_EQ(mipmap.transparent.front().opacity.front()[0], 200);
+  EXPECT_EQ(mipmap.transparent.front().opacity.at(0, 0, 0)[0], 200);
   const VolumeMipmap odd = make_mipmap(make_volume(chain_mail(), 13));
   EXPECT_EQ(odd.transparent.back().size, (std::array<int, 3>{1, 1, 1}));
   EXPECT_THROW(make_mipmap(one, {.least_share = 2}), OptionError);

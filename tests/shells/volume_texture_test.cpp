@@ -60,7 +60,7 @@ TEST(VolumeTexture, HasTheSameGradientsAtTexels) {
                         .norm(),
                     1e-12);
   }
-  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {77}};
+  const VolumeTexture one{.size = {1, 1, 1}, .opacity = {{1, 1, 1}, 77}};
   EXPECT_EQ(detail::texel_gradient(one, {0, 0, 0}), Vec3(0, 0, 0));
 }
 
@@ -106,9 +106,10 @@ TEST(VolumeTexture, RefusesWhatItCannotHold) {
       },
       ThrowsMessage<InputError>(HasSubstr("not a number at texel (2, 2, 0)")));
   VolumeTexture texture = ball_texture(4);
-  texture.opacity.pop_back();
+  texture.opacity = {{4, 4, 3}, 0};
   EXPECT_THAT([&] { validate(texture, "ball"); },
-              ThrowsMessage<InputError>(HasSubstr("ball: a volume texture of 4 x 4 x 4 has 63 opacities")));
+              ThrowsMessage<InputError>(
+                  HasSubstr("ball: a volume texture of 4 x 4 x 4 texels has opacities of 4 x 4 x 3")));
 }
 
 // Distances that are no larger than they should be: rays step by them.
@@ -146,10 +147,11 @@ TEST(ProceduralVolume, BushesGrow) {
   std::size_t matter_before = 0;
   for (const double growth : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
     const VolumeTexture texture = make_volume(bushes({.bushes = 1, .growth = growth}), 48);
-    std::vector<std::uint8_t> now(texture.n_texels());
+    const std::vector<std::uint8_t> opacity = texture.opacity.to_dense();
+    std::vector<std::uint8_t> now(opacity.size());
     std::size_t matter = 0, lost = 0;
     for (std::size_t i = 0; i < now.size(); ++i) {
-      now[i] = texture.opacity[i] >= 128;
+      now[i] = opacity[i] >= 128;
       matter += now[i];
       lost += !before.empty() && before[i] > now[i];
     }
