@@ -65,6 +65,7 @@ BenchSection measure_shell_volumes(const BenchOptions& options) {
   measure_volume_slices(options, section);
   measure_chain_mail_slices(options, section);
   measure_large_volume(options, section);
+  measure_volume_storage(section);
   measure_receding_sheets(section);
   measure_volume_brightness(section);
   measure_tubes(section);

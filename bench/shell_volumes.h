@@ -13,6 +13,8 @@ void measure_volume_slices(const BenchOptions& options, BenchSection& section);
 /// The same for chain mail around a body, and for a texture of 512^3 texels, or fewer with `options.quick`.
 void measure_chain_mail_slices(const BenchOptions& options, BenchSection& section);
 void measure_large_volume(const BenchOptions& options, BenchSection& section);
+/// Memory of textures, and of making their smaller versions.
+void measure_volume_storage(BenchSection& section);
 /// What is seen from afar, by kinds of levels.
 void measure_receding_sheets(BenchSection& section);
 void measure_volume_brightness(BenchSection& section);

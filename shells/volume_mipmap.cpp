@@ -1,6 +1,7 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/raster.h>
 #include <recede/shells/detail/matter_calibration.h>
+#include <recede/shells/detail/matter_path.h>
 #include <recede/shells/detail/matter_statistics.h>
 #include <recede/shells/detail/volume_sampler.h>
 #include <recede/shells/volume_mipmap.h>
@@ -18,24 +19,8 @@ double opacity_in_row(double first, double second, double correlation) {
   return (1 - correlation) * (1 - (1 - first) * (1 - second)) + correlation * std::max(first, second);
 }
 
-std::array<int, 3> TransparentVolume::texel_at(const Vec3& place, bool is_periodic) const {
-  std::array<int, 3> cell{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double at = place[static_cast<int>(axis)];
-    if (axis < 2 && is_periodic) at -= std::floor(at);
-    cell[axis] = std::clamp(static_cast<int>(std::floor(at * size[axis])), 0, size[axis] - 1);
-  }
-  return cell;
-}
-
 double TransparentVolume::opacity_along(const std::array<int, 3>& texel, const Vec3& direction) const {
-  const std::array<std::uint8_t, 3>& along_axes = opacity.at(texel);
-  double sum = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double along = direction[static_cast<int>(axis)];
-    sum += along * along * along_axes[axis];
-  }
-  return sum / 255;
+  return detail::opacity_along(opacity.at(texel), direction);
 }
 
 namespace {

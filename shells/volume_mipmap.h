@@ -4,6 +4,8 @@
 
 #include <recede/shells/volume_texture.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -41,7 +43,15 @@ struct TransparentVolume {
   std::vector<MatterCorrection> corrections{};
 
   /// The texel around a place (s, t, r).
-  std::array<int, 3> texel_at(const Vec3& place, bool is_periodic) const;
+  std::array<int, 3> texel_at(const Vec3& place, bool is_periodic) const {
+    std::array<int, 3> cell{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double at = place[static_cast<int>(axis)];
+      if (axis < 2 && is_periodic) at -= std::floor(at);
+      cell[axis] = std::clamp(static_cast<int>(std::floor(at * size[axis])), 0, size[axis] - 1);
+    }
+    return cell;
+  }
   /// Opacity along a unit direction: that of the axes by the squares of its coordinates.
   double opacity_along(const std::array<int, 3>& texel, const Vec3& direction) const;
   /// Linear between directions, of density the logarithm; `direction` is unit, in lengths of

@@ -8,6 +8,16 @@
 
 namespace recede::detail {
 
+/// Of a texel, by its opacities along the axes, in 255ths.
+inline double opacity_along(const std::array<std::uint8_t, 3>& along_axes, const Vec3& direction) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double along = direction[static_cast<int>(axis)];
+    sum += along * along * along_axes[axis];
+  }
+  return sum / 255;
+}
+
 /// Opacity along a ray, gathered step by step.
 class MatterPath {
  public:
@@ -25,9 +35,12 @@ class MatterPath {
     direction_ = move.cwiseProduct(finest_.extent).stableNormalized();
     // A ray that just touches a texel isn't stopped as one across all of it, not even by a closed one.
     constexpr double k_most_opacity = 0.98;
-    const double opacity = std::min(matter_.opacity_along(texel, direction_), k_most_opacity);
-    if (texel != texel_) in_texel_ = 0;
-    texel_ = texel;
+    if (texel != texel_) {
+      in_texel_ = 0;
+      texel_ = texel;
+      along_axes_ = matter_.opacity.at(texel);
+    }
+    const double opacity = std::min(opacity_along(along_axes_, direction_), k_most_opacity);
     in_texel_ += texels;
     open_ *= std::pow(1 - opacity, texels);
     densest_ = std::max(densest_, 1 - std::pow(1 - opacity, in_texel_));
@@ -46,6 +59,7 @@ class MatterPath {
   const VolumeTexture& finest_;
   double open_ = 1, densest_ = 0, in_texel_ = 0;
   std::array<int, 3> texel_{-1, -1, -1};
+  std::array<std::uint8_t, 3> along_axes_{};
   Vec3 direction_ = Vec3::UnitZ();
 };
 
