@@ -28,8 +28,8 @@ def main(output: str, texels: str = "128") -> None:
     for growth in (0.3, 0.6, 1.0):
         volume = recede.make_volume("bushes", texels=int(texels), bushes=9, growth=growth)
         textured = recede.fill_shell(shell, volume, repeat=(3, 3))
-        panels.append(recede.render(textured, eye=(0.5, -0.5, 0.62), look_at=(0.5, 0.42, 0.08), image_width=320,
-                                    up=(0, 0, 1), image_height=240, samples=6))
+        panels.append(recede.render(textured, eye=(0.5, -0.5, 0.62), look_at=(0.5, 0.42, 0.08), image_width=280,
+                                    up=(0, 0, 1), image_height=190, samples=6))
         print(f"growth {growth}: {(volume.opacity >= 128).mean():.4f} of the layer")
     recede.write_image(output, np.concatenate(panels, axis=1))
 

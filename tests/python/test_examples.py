@@ -32,7 +32,7 @@ def test_shell_from_afar(tmp_path):
 def test_growing_bushes(tmp_path):
     shares = [float(line.split()[2]) for line in run("growing_bushes.py", tmp_path / "bushes.png", 32).splitlines()]
     assert len(shares) == 3 and shares == sorted(shares) and shares[0] > 0
-    assert recede.read_image(tmp_path / "bushes.png").shape == (240, 960, 3)
+    assert recede.read_image(tmp_path / "bushes.png").shape == (190, 840, 3)
 
 
 def test_simplify_folder(tmp_path):
