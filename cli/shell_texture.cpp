@@ -18,8 +18,8 @@ ProceduralVolume procedural(const ShellTextureOptions& options) {
   if (options.name == "chain-mail") return chain_mail();
   if (options.name == "weave") return weave();
   if (options.name == "bark") return bark({.seed = options.seed});
-  if (options.name == "bushes") return bushes({.seed = options.seed, .growth = options.time.value_or(1)});
-  return bubbles({.seed = options.seed, .time = options.time.value_or(0)});
+  if (options.name == "bushes") return bushes({.seed = options.seed, .growth = options.growth});
+  return bubbles({.seed = options.seed, .time = options.time});
 }
 
 }  // namespace
@@ -56,8 +56,13 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
       ->group(group);
   command
       .add_option("--texture-time", options.time,
-                  "pictures of an animation: of bubbles, in lives of a bubble (0); how far bushes have "
-                  "grown, to 1 (1)")
+                  "of bubbles, in lives of a bubble: pictures of an animation (0)")
+      ->needs(texture)
+      ->group(group);
+  command
+      .add_option("--texture-growth", options.growth,
+                  "of bushes, from bare ground (0) to full-grown: pictures of an animation (1)")
+      ->check(CLI::Range(0.0, 1.0))
       ->needs(texture)
       ->group(group);
 }

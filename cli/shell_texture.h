@@ -12,7 +12,8 @@ struct ShellTextureOptions {
   std::optional<int> texels;
   int layers = 16;  ///< of `empty` and `solid`, texels along r
   std::uint32_t seed = 1;
-  std::optional<double> time;
+  double time = 0;
+  double growth = 1;
 };
 /// Adds `--texture` and what belongs to it.
 void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options);

@@ -57,6 +57,12 @@ class BrickGrid {
                                               k_side * (j - box_.first[1] + k_side * (k - box_.first[2])))];
     }
     void fill(const Texel& value) { texels_.fill(value); }
+    /// With what all texels in a box of a grid are, if the bricks around the box are alike; else nothing.
+    bool fill_if_alike(const BrickGrid& grid, const TexelBox& box) {
+      const std::optional<Texel> value = grid.uniform_value(box);
+      if (value) fill(*value);
+      return value.has_value();
+    }
     /// With what a grid of the same size has there.
     void copy(const BrickGrid& grid) {
       for (int k = box_.first[2]; k < box_.last[2]; ++k)

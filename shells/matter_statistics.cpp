@@ -38,10 +38,7 @@ BrickGrid<std::uint8_t> halved_rows(const BrickGrid<std::uint8_t>& rows, std::si
     TexelBox from = brick.box();
     from.first[axis] *= 2;
     from.last[axis] = std::min(2 * from.last[axis], rows.size()[axis]);
-    if (const std::optional<std::uint8_t> value = rows.uniform_value(from)) {
-      brick.fill(*value);
-      return;
-    }
+    if (brick.fill_if_alike(rows, from)) return;
     for_each_texel(brick.box(), [&](int i, int j, int k) {
       std::array<int, 3> cell{i, j, k};
       cell[axis] *= 2;

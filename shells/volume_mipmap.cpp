@@ -59,10 +59,7 @@ class SurfaceLevels {
 
  private:
   void set_opacity(Opacity::Brick& brick) const {
-    if (const auto value = level_.opacity.uniform_value(detail::children_of(brick.box(), level_.size))) {
-      brick.fill(*value);
-      return;
-    }
+    if (brick.fill_if_alike(level_.opacity, detail::children_of(brick.box(), level_.size))) return;
     for_each_texel(brick.box(), [&](int i, int j, int k) {
       double sum = 0;
       const TexelBox children = children_of(i, j, k);
@@ -74,10 +71,7 @@ class SurfaceLevels {
   // Means of what is inside of texels.
   void set_colors(Colors::Brick& brick) const {
     // A mean of the same is the same but for a rounding far below that to bytes.
-    if (const auto value = level_.colors.uniform_value(detail::children_of(brick.box(), level_.size))) {
-      brick.fill(*value);
-      return;
-    }
+    if (brick.fill_if_alike(level_.colors, detail::children_of(brick.box(), level_.size))) return;
     for_each_texel(brick.box(), [&](int i, int j, int k) {
       double weight = 0;
       Vec3 color = Vec3::Zero();

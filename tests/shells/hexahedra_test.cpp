@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -150,6 +151,47 @@ TEST(Hexahedra, AreNoneWhereTheirFacesMayMeetOthers) {
   EXPECT_TRUE(shell.is_valid());
   EXPECT_EQ(shell.exterior->shortened, 0u);
   EXPECT_THAT(shell.exterior->hexahedra, IsEmpty());
+}
+
+// Layers of hexahedra over bumps, cut finely along their trilinear maps, are valid by the exact check.
+TEST(Hexahedra, MakeAValidLayer) {
+  constexpr int k_quads = 5, k_cuts = 5, k_row = k_quads * k_cuts + 1;
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> off(-1, 1);
+  int whole = 0, others = 0;
+  for (int n = 0; n < 60; ++n) {
+    PolygonSoup base = test::uv_sheet(k_quads);
+    const double height = 0.06 * (1 + n % 6);
+    for (Vec3& p : base.positions) p += Vec3(0.05 * off(random), 0.05 * off(random), height * off(random));
+    const Shell shell = build_shell(base, {.thickness = 0.3});
+    const ShellLayer& layer = *shell.exterior;
+    ASSERT_TRUE(layer.validity.is_valid());
+    if (layer.hexahedra.size() != shell.quads.size()) {
+      ++others;
+      continue;
+    }
+    ++whole;
+    std::vector<Vec3> bottom, top;
+    for (int y = 0; y < k_row; ++y) {
+      for (int x = 0; x < k_row; ++x) {
+        const int i = std::min(x / k_cuts, k_quads - 1), j = std::min(y / k_cuts, k_quads - 1);
+        const detail::FaceWeights weights =
+            detail::weights_at(4, {1.0 * x / k_cuts - i, 1.0 * y / k_cuts - j});
+        const std::span<const Index> corners = base.face(static_cast<std::size_t>(j * k_quads + i));
+        Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+        for (std::size_t k = 0; k < 4; ++k) {
+          low += weights[k] * base.positions[corners[k]];
+          high += weights[k] * layer.tops[corners[k]];
+        }
+        bottom.push_back(low);
+        top.push_back(high);
+      }
+    }
+    const std::vector<Index> triangles = triangulate(test::uv_sheet(k_quads * k_cuts));
+    EXPECT_TRUE(check_shell(bottom, top, triangles).is_valid()) << n;
+  }
+  EXPECT_GT(whole, 10);
+  EXPECT_GT(others, 10);
 }
 
 // A quad wider on one side: a texel's column stands where the bilinear map has it, not on the diagonal.
