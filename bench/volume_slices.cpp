@@ -7,6 +7,7 @@
 #include <recede/shells/procedural_volumes.h>
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -360,6 +361,7 @@ void measure_volume_storage(BenchSection& section) {
         make_volume(volume.inside, {.size = {256, 256, 64}, .extent = volume.extent, .color = volume.color});
     const std::size_t dense = texture.n_texels() * (texture.colors.empty() ? 1 : 4),
                       bricks = texture.opacity.n_bytes() + texture.colors.n_bytes();
+    ::malloc_trim(0);  // what is free already isn't what levels take
     const std::size_t before = resident_bytes();
     forget_peak();
     const double seconds = median_seconds(1, [&] { make_mipmap(texture); });
