@@ -12,6 +12,7 @@
 #include "round_trips.h"
 #include "same_bytes.h"
 #include "shell_run.h"
+#include "stability_run.h"
 #include <recede/geometry/error.h>
 
 #include <CLI/CLI.hpp>
@@ -27,7 +28,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", options.quick, "without the largest models");
   app.add_flag("--growth", options.growth, "also time Recede and meshoptimizer over growing sizes");
   bool hard_cases = false, same_bytes = false, progressive = false, round_trips = false, displaced = false,
-       dicing = false, appearance = false, billboards = false, shells = false, pictures = false;
+       dicing = false, appearance = false, billboards = false, shells = false, stability = false,
+       pictures = false;
   [[maybe_unused]] bool cad = false;
   app.add_flag("--hard-cases", hard_cases,
                "instead, what every system gives on meshes that break simplifiers");
@@ -47,12 +49,14 @@ int main(int argc, char** argv) {
                "instead, billboard clouds beside those of a Hough transform: texels, outlines, light, cost");
   app.add_flag("--shells", shells,
                "instead, layers of space over real and spoilt models, and the field that they grow along");
+  app.add_flag("--stability", stability,
+               "instead, every operation over all hard cases and models, and over changed shapes");
   app.add_flag("--pictures", pictures, "pictures of --cad or --billboards instead of their tables");
   app.add_option("--repeats", options.repeats, "runs whose median counts (3); long ones get fewer")
       ->check(CLI::PositiveNumber);
-  app.add_option(
-      "--filter", options.systems,
-      "only systems, or sections of --billboards and --shells, whose name this regular expression finds");
+  app.add_option("--filter", options.systems,
+                 "only systems, or sections of --billboards, --shells and --stability, whose name this "
+                 "regular expression finds");
   app.add_option("--models", options.models, "only models or hard cases whose name this expression finds");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -81,6 +85,10 @@ int main(int argc, char** argv) {
     if (billboards) {
       fmt::print("{}", pictures ? recede::bench::billboard_pictures(options)
                                 : recede::bench::billboard_tables(options));
+      return 0;
+    }
+    if (stability) {
+      fmt::print("{}", recede::bench::stability_tables(options));
       return 0;
     }
     if (shells) {

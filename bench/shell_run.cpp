@@ -37,6 +37,8 @@ std::string shell_tables(const BenchOptions& options) {
   return section_tables(options, "Shells", "shells",
                         {{"field", measure_shell_field},
                          {"directors", measure_shell_directors},
+                         {"experiments", measure_shell_experiments},
+                         {"updates", measure_shell_updates},
                          {"torture", measure_shell_torture},
                          {"volumes", measure_shell_volumes},
                          {"models", measure_shell_models}});

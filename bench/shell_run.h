@@ -16,6 +16,13 @@ BenchSection measure_shell_field(const BenchOptions& options);
 /// averaged one: shapes of the specification's table 2.9.
 BenchSection measure_shell_directors(const BenchOptions& options);
 
+/// The source's figures, on shapes that are made by formulas: the field by its power, and layers in narrow
+/// places by what directors follow.
+BenchSection measure_shell_experiments(const BenchOptions& options);
+
+/// How long edits and frames of animations take, beside building everything anew.
+BenchSection measure_shell_updates(const BenchOptions& options);
+
 /// Layers over all closed models in the folder that have at most 100 000 triangles, beside the thickness up
 /// to which plain displacement along normals is valid.
 BenchSection measure_shell_models(const BenchOptions& options);

@@ -67,6 +67,7 @@ BenchSection measure_shell_volumes(const BenchOptions& options) {
   measure_large_volume(options, section);
   measure_volume_storage(section);
   measure_receding_sheets(section);
+  measure_flicker(section);
   measure_volume_brightness(section);
   measure_tubes(section);
   return section;

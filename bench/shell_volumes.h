@@ -17,6 +17,8 @@ void measure_large_volume(const BenchOptions& options, BenchSection& section);
 void measure_volume_storage(BenchSection& section);
 /// What is seen from afar, by kinds of levels.
 void measure_receding_sheets(BenchSection& section);
+/// The same over time.
+void measure_flicker(BenchSection& section);
 void measure_volume_brightness(BenchSection& section);
 void measure_tubes(BenchSection& section);
 

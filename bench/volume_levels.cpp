@@ -132,6 +132,69 @@ void measure_receding_sheets(BenchSection& section) {
 
 namespace {
 
+/// Sheets that recede by a factor of 1.5 from period to period of time: how much blocks of pixels jump from
+/// frame to frame, beside what they change by all along.
+void add_flicker(const std::string& name, const ProceduralVolume& procedural, BenchSection& section) {
+  const VolumeTexture texture = make_volume(procedural, k_texels);
+  const auto all_surfaces = std::make_shared<const VolumeMipmap>(
+                 make_mipmap(texture, {.least_share = 0, .seen_tolerance = k_all})),
+             both = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
+  const Sheet sheet{procedural.extent};
+  constexpr int k_frames = 25;
+  for (const double nearest : {1.0, 4.0, 12.0}) {
+    std::array<std::vector<std::vector<double>>, 4> blocks;
+    for (int frame = 0; frame < k_frames; ++frame) {
+      const Camera camera =
+          sheet.camera(45 * k_degree, k_side, nearest * std::pow(1.5, static_cast<double>(frame) / k_frames));
+      PlacedVolume finest = sheet.place(both), surfaces = sheet.place(all_surfaces), doubled = finest;
+      surfaces.view = volume_view(camera);
+      doubled.view = surfaces.view;
+      blocks[0].push_back(block_coverage(finest, camera, 4));
+      blocks[1].push_back(block_coverage(finest, camera, 1));
+      blocks[2].push_back(block_coverage(surfaces, camera, 1));
+      blocks[3].push_back(block_coverage(doubled, camera, 1));
+    }
+    std::array<double, 4> flicker{};
+    for (std::size_t by = 0; by < 4; ++by) {
+      double sum = 0;
+      for (std::size_t frame = 1; frame + 1 < k_frames; ++frame) {
+        std::vector<double> between = blocks[by][frame - 1];
+        for (std::size_t b = 0; b < between.size(); ++b)
+          between[b] = (between[b] + blocks[by][frame + 1][b]) / 2;
+        const double jump = difference_of(blocks[by][frame], between);
+        sum += jump * jump;
+      }
+      flicker[by] = std::sqrt(sum / (k_frames - 2));
+    }
+    section.markdown += fmt::format("| {} | {} to {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n", name, nearest,
+                                    1.5 * nearest, flicker[0], flicker[1], flicker[2], flicker[3]);
+    section.rows.push_back({{"experiment", "flicker"},
+                            {"texture", name},
+                            {"texels_to_a_pixel", nearest},
+                            {"reference", flicker[0]},
+                            {"one_sample", flicker[1]},
+                            {"surfaces", flicker[2]},
+                            {"double", flicker[3]}});
+  }
+}
+
+}  // namespace
+
+void measure_flicker(BenchSection& section) {
+  section.markdown +=
+      "\n### Flicker of sheets that recede\n\nThe same sheets over 25 frames, in which they get 1.5 times as "
+      "far "
+      "away: root mean square of how far the share of stopped rays in a block of 8 x 8 pixels is off the "
+      "mean "
+      "of the "
+      "frames before and after\n\n| sheet | texels a pixel | 16 samples | none | linear | double "
+      "|\n|---|---|---|---|---|---|\n";
+  add_flicker("wire mesh", wire_mesh(), section);
+  add_flicker("chain mail", chain_mail(), section);
+}
+
+namespace {
+
 ProceduralVolume ground(double bumps) {
   return {[bumps](const Vec3& point) {
             const double waves =
@@ -191,6 +254,86 @@ Brightness brightness_of(const VolumeTexture& texture, const std::shared_ptr<con
           std::max(0.0, mean.dot(light)), drawn};
 }
 
+/// Radius 1, of quads between meridians and circles, with texture coordinates once around.
+PolygonSoup ball_of_quads() {
+  constexpr int k_rings = 32, k_around = 64;
+  PolygonSoup ball;
+  const auto at = [](int i, int j) {
+    const double down = std::numbers::pi * j / k_rings,
+                 around = 2 * std::numbers::pi * (i % k_around) / k_around;
+    const double out = j == 0 || j == k_rings ? 0 : std::sin(down);
+    return Vec3(out * std::cos(around), out * std::sin(around), std::cos(down));
+  };
+  for (int j = 0; j <= k_rings; ++j)
+    for (int i = 0; i < k_around; ++i) ball.positions.push_back(at(i, j));
+  for (int j = 0; j < k_rings; ++j) {
+    for (int i = 0; i < k_around; ++i) {
+      const std::array<std::array<int, 2>, 4> corners{{{i, j}, {i, j + 1}, {i + 1, j + 1}, {i + 1, j}}};
+      std::vector<Index> face;
+      for (const auto& [u, v] : corners) {
+        if (!face.empty() && (j == 0 ? v == 0 : v == k_rings && u == i + 1)) continue;  // once at a pole
+        const bool is_pole = v == 0 || v == k_rings;
+        face.push_back(static_cast<Index>(v * k_around + (is_pole ? 0 : u % k_around)));
+        ball.corner_uvs.emplace_back(static_cast<double>(u) / k_around, 1 - static_cast<double>(v) / k_rings);
+      }
+      ball.add_face(face);
+    }
+  }
+  return ball;
+}
+
+void add_rough_balls(BenchSection& section) {
+  section.markdown +=
+      "\nThe same grounds around a ball of 64 x 32 periods, so far away that a pixel is as wide as a period, "
+      "with the lamp 45 degrees beside the camera: mean brightness, and the largest difference of a block of "
+      "8 x 8 "
+      "pixels\n\n| ball | finest, 64 samples | level for the distance | largest difference "
+      "|\n|---|---|---|---|\n";
+  const PolygonSoup base = ball_of_quads();
+  constexpr int k_pixels = 64;
+  const Camera camera{.position = {0, -400, 0},
+                      .target = Vec3::Zero(),
+                      .up = Vec3::UnitZ(),
+                      .field_of_view = 2 * std::atan(1.1 / 400),
+                      .width = k_pixels,
+                      .height = k_pixels};
+  for (const auto& [name, bumps] : {std::pair("smooth", 0.0), std::pair("rough, slopes up to 0.75", 0.04),
+                                    std::pair("rougher, slopes up to 1.9", 0.1)}) {
+    const auto mipmap =
+        std::make_shared<const VolumeMipmap>(make_mipmap(make_volume(ground(bumps), k_texels)));
+    PlacedVolume placed = place_volume(base, mipmap, 0.05, {64, 32});
+    placed.color = Rgb::Ones();
+    const auto draw = [&](int samples) {
+      return render(Scene({}, std::span<const PlacedVolume>(&placed, 1)), camera,
+                    {.samples_per_pixel = samples,
+                     .background = Rgb::Zero(),
+                     .camera_light = {Vec3(1, 0, 1).normalized(), Rgb::Ones(), Rgb::Zero(), Rgb::Zero()}});
+    };
+    const Image finest = draw(64);
+    placed.view = volume_view(camera);
+    const Image level = draw(64);
+    const auto blocks = [&](const Image& image) {
+      constexpr std::size_t k_across = k_pixels / k_block;
+      std::vector<double> means(k_across * k_across);
+      for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        means[i / k_pixels / k_block * k_across + i % k_pixels / k_block] +=
+            static_cast<double>(image.pixels[i].x()) / (k_block * k_block);
+      return means;
+    };
+    const std::vector<double> of_finest = blocks(finest), of_level = blocks(level);
+    double largest = 0;
+    for (std::size_t b = 0; b < of_finest.size(); ++b)
+      largest = std::max(largest, std::abs(of_finest[b] - of_level[b]));
+    section.markdown += fmt::format("| {} | {:.4f} | {:.4f} | {:.4f} |\n", name, mean_of(of_finest),
+                                    mean_of(of_level), largest);
+    section.rows.push_back({{"experiment", "brightness of balls"},
+                            {"ball", name},
+                            {"finest", mean_of(of_finest)},
+                            {"level", mean_of(of_level)},
+                            {"largest_difference", largest}});
+  }
+}
+
 }  // namespace
 
 void measure_volume_brightness(BenchSection& section) {
@@ -222,6 +365,7 @@ void measure_volume_brightness(BenchSection& section) {
                               {"last_level", found.drawn}});
     }
   }
+  add_rough_balls(section);
 }
 
 namespace {

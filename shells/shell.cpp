@@ -72,6 +72,8 @@ std::vector<Index> vertices_near_changes(const PolygonSoup& before, const Polygo
     if (v >= n_vertices) throw InputError(fmt::format("vertex {} isn't one of the shell's", v));
     has_changed[v] = 1;
   }
+  if (std::count(has_changed.begin(), has_changed.end(), 1) == static_cast<std::ptrdiff_t>(n_vertices))
+    return all_vertices(n_vertices);
   for (std::size_t v = n_vertices; v < has_changed.size(); ++v)
     has_changed[v] = before.positions[v] != after.positions[v];
   std::vector<Vec3> places;
