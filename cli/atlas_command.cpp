@@ -95,10 +95,10 @@ void add_atlas_command(CLI::App& app) {
   command
       ->add_option("--bend-limit", charts.bend_limit,
                    "how far a chart may bend: 0 flat, 0.5 a hemisphere (0.2)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->group(cutting);
   command->add_option("--compactness", charts.compactness, "weight of the squared perimeter (1)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(cutting);
   command
       ->add_flag("--no-straighten", options->no_straighten,
@@ -113,15 +113,15 @@ void add_atlas_command(CLI::App& app) {
   command
       ->add_option("--stretch-limit", options->atlas.stretch_limit,
                    "L2 stretch above which a chart is cut (1.25)")
-      ->check(CLI::Range(1.0, 1e9))
+      ->check(between(1.0, 1e9))
       ->group(mapping);
   command->add_flag("--scale-by-stretch", options->atlas.scale_by_stretch, "more texels for stretched charts")
       ->group(mapping);
   command->add_option("--map-size", options->atlas.packing.resolution, "texels along each side (1024)")
-      ->check(CLI::Range(1, 65536))
+      ->check(between(1, 65536))
       ->group(mapping);
   command->add_option("--gutter", options->atlas.packing.gutter, "texels between two charts (4)")
-      ->check(CLI::Range(0, 1024))
+      ->check(between(0, 1024))
       ->group(mapping);
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

@@ -305,7 +305,7 @@ void add_bake_command(CLI::App& app) {
       ->option_text("NAME,...")
       ->group(maps);
   command->add_option("--map-size", options->map_size, "texels along each side (1024)")
-      ->check(CLI::Range(4, 16384))
+      ->check(between(4, 16384))
       ->group(maps);
   command
       ->add_option("--map-format", options->map_format,
@@ -317,7 +317,7 @@ void add_bake_command(CLI::App& app) {
           "--map-seam-weight", options->map_seam_weight,
           "keeps more detail along seams and leaves them less closed, such as 1e4; 0: open (default: "
           "closed to a step of 16 bits)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(maps);
   command
       ->add_option("--map-normal-bits", options->map_normal_bits,

@@ -325,17 +325,17 @@ void add_billboards_command(CLI::App& app) {
   command
       ->add_option("--normal-deviation", options->largest_deviation,
                    "largest angle between a face and its rectangle, degrees, not of planes (60)")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(between(0.0, 180.0))
       ->group(group);
   command
       ->add_option("--waste", options->clouds.largest_waste,
                    "largest area of a rectangle over that of its faces, of clusters (4)")
-      ->check(CLI::Range(1.0, 1e9))
+      ->check(between(1.0, 1e9))
       ->group(group);
   command
       ->add_option("--neighbours", options->clouds.n_neighbours,
                    "faces near to each one that it may share a rectangle with, of clusters (50)")
-      ->check(CLI::Range(1, 100000))
+      ->check(between(1, 100000))
       ->group(group);
   command->add_flag("--two-sided", options->clouds.is_two_sided, "faces count from both sides, as leaves do")
       ->group(group);
@@ -343,19 +343,19 @@ void add_billboards_command(CLI::App& app) {
   command
       ->add_option("--texels-per-error", options->textures.texels_per_error,
                    "a texel's sides are at most the error over this (1)")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->group(textures);
   command->add_option("--samples", options->textures.samples, "rays along each side of a texel (4)")
-      ->check(CLI::Range(1, 64))
+      ->check(between(1, 64))
       ->group(textures);
   command
       ->add_option(
           "--overlap", options->textures.overlap,
           "texels in which faces of others are shown beside a rectangle's own ones, against gaps (2)")
-      ->check(CLI::Range(0, 1000))
+      ->check(between(0, 1000))
       ->group(textures);
   command->add_option("--gutter", options->textures.gutter, "texels between rectangles in the atlas (1)")
-      ->check(CLI::Range(0, 64))
+      ->check(between(0, 64))
       ->group(textures);
   command
       ->add_option(
@@ -368,7 +368,7 @@ void add_billboards_command(CLI::App& app) {
   command
       ->add_option("--mipmaps", options->mipmaps,
                    "smaller versions of the pictures that are written, too (0)")
-      ->check(CLI::Range(0, 16))
+      ->check(between(0, 16))
       ->group(textures);
   command
       ->add_flag("--reflectance", options->reflectance,

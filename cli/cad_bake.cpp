@@ -69,7 +69,7 @@ void add_seam_options(CLI::App& command, SeamGraphOptions& options, const std::s
   command
       .add_option("--gap", options.gap,
                   "widest gap between patches that is sewn up, units of the file (half of the finest error)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(group);
   command
       .add_flag("!--no-connectivity", options.use_connectivity,

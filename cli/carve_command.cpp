@@ -154,7 +154,7 @@ void add_body_options(CLI::App& command, CarveCommandOptions& options) {
   CLI::Option* ramp = command.add_option(
       "--ramp", options.ramp,
       "half of the width over which opacity goes from 0 to 1, in longest sides of texels (2)");
-  ramp->check(CLI::PositiveNumber);
+  ramp->check(above_zero());
 
   const auto moving = "Moving";
   CLI::Option* move =
@@ -162,7 +162,7 @@ void add_body_options(CLI::App& command, CarveCommandOptions& options) {
   move->option_text("X Y Z")->group(moving)->excludes(operation)->excludes(ramp);
   command.add_option("--to", options.to, "around that one")->option_text("X Y Z")->group(moving)->needs(move);
   command.add_option("--radius", options.radius, "of the discs, along the surface, object units")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->group(moving)
       ->needs(move);
   command.add_option("--turn", options.turn, "counter-clockwise, seen from outside, degrees (0)")

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
@@ -19,7 +20,34 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_flag("-q,--quiet", options.quiet, "no progress bar and no remarks");
   constexpr int k_most_threads = 1024;
   command.add_option("--threads", options.threads, "number of threads; 0: all")
-      ->check(CLI::Range(0, k_most_threads));
+      ->check(between(0, k_most_threads));
+}
+
+namespace {
+
+// Complains with `text` of numbers that aren't `right`.
+CLI::Validator number_check(std::function<bool(double)> right, const std::string& text) {
+  const auto check = [right = std::move(right), text](const std::string& input) -> std::string {
+    double value = 0;
+    if (!CLI::detail::lexical_cast(input, value)) return fmt::format("{} isn't a number", input);
+    return right(value) ? "" : fmt::format("{} must be {}", input, text);
+  };
+  return CLI::Validator(check, text);
+}
+
+}  // namespace
+
+CLI::Validator above_zero() {
+  return number_check([](double value) { return value > 0 && std::isfinite(value); }, "above 0");
+}
+
+CLI::Validator not_negative() {
+  return number_check([](double value) { return value >= 0 && std::isfinite(value); }, "at least 0");
+}
+
+CLI::Validator between(double least, double most) {
+  return number_check([=](double value) { return value >= least && value <= most; },
+                      fmt::format("{} to {}", least, most));
 }
 
 namespace {
@@ -158,14 +186,14 @@ void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& f
   command
       .add_option("--feature-angle", feature_angle,
                   "keep edges whose faces meet at more than this angle, degrees; 0: none")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(between(0.0, 180.0))
       ->group(group);
   command.add_flag("--lock-borders", options.lock_borders, "leave border vertices where they are")
       ->group(group);
   command
       .add_option("--join-distance", options.join_distance,
                   "volume: parts may grow together where they are this near, object units; 0: never")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(group);
   command
       .add_flag("--drop-parts", options.drop_parts,
@@ -178,7 +206,7 @@ void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& f
         ->group(group);
   };
   const auto add_weight = [&](const char* name, double& weight, const char* help) {
-    command.add_option(name, weight, help)->check(CLI::NonNegativeNumber)->group(group);
+    command.add_option(name, weight, help)->check(not_negative())->group(group);
   };
   add_weight("--uv-weight", options.weights.uv,
              "volume: what a change of texture coordinates by 1 costs, as a share of the longest side (0.1)");

@@ -59,6 +59,11 @@ CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
   return {replace, "NAME"};
 }
 
+// Numbers out of range are refused in words: CLI11's own validators print their limits with all digits.
+CLI::Validator above_zero();
+CLI::Validator not_negative();
+CLI::Validator between(double least, double most);
+
 /// What the file holds, with nothing repaired; a built-in model else.
 PolygonSoup read_unrepaired(const std::string& input, Progress* progress);
 

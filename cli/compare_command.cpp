@@ -75,11 +75,11 @@ void add_compare_command(CLI::App& app) {
   command->add_option("first", options->first, k_input_help)->required();
   command->add_option("second", options->second, "the other mesh")->required();
   command->add_option("--samples", options->distance.samples, "sample points per surface (200000)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command
       ->add_option("--bound-tolerance", *options->distance.bound_tolerance,
                    "width of the certified interval as a share of the bound (0.05)")
-      ->check(CLI::Range(1e-6, 0.999999));
+      ->check(between(1e-6, 0.999999));
   command->add_flag("--no-bound", options->no_bound, "sample only; certify nothing");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

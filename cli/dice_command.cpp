@@ -186,11 +186,9 @@ void add_dice_command(CLI::App& app) {
       ->required();
   const auto view = "View (default: the whole model from in front)";
   add_view_options(*command, options->view, view);
-  command->add_option("--image-width", options->width, "pixels (800)")
-      ->check(CLI::Range(1, 32768))
-      ->group(view);
+  command->add_option("--image-width", options->width, "pixels (800)")->check(between(1, 32768))->group(view);
   command->add_option("--image-height", options->height, "pixels (600)")
-      ->check(CLI::Range(1, 32768))
+      ->check(between(1, 32768))
       ->group(view);
   add_dicing(*command, *options);
   add_base(*command, *options);

@@ -142,10 +142,10 @@ void add_diff_command(CLI::App& app) {
   command
       ->add_option("--pixels-per-degree", options->flip.pixels_per_degree,
                    "pixels that a degree of the viewer's field of view covers, for FLIP (67.02)")
-      ->check(CLI::Range(1.0, 1000.0));
+      ->check(between(1.0, 1000.0));
   command
       ->add_option("--fail-above", options->fail_above, "exit with 1 when FLIP's mean is above this, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0.0, 1.0));
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });
 }

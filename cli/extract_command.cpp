@@ -140,11 +140,11 @@ CLI::Option_group* add_level(CLI::App& command, const std::string& group, const 
   CLI::Option_group* level = command.add_option_group(group);
   level->add_option("--" + prefix + "faces", choice.faces, "the finest with at most this many faces");
   level->add_option("--" + prefix + "ratio", choice.ratio, "the same as a share of all faces, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0.0, 1.0));
   level
       ->add_option("--" + prefix + "error", choice.error,
                    "the coarsest with at most this error, object units")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   level->require_option(0, 1);
   return level;
 }

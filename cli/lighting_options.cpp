@@ -33,7 +33,7 @@ void add_lights(CLI::App& command, LightingOptions& options, const std::string& 
       ->option_text("R G B")
       ->needs(sun);
   add(options.sun_size, "--sun-size", "across its disc, degrees; 0: sharp shadows (5)")
-      ->check(CLI::Range(0.0, 179.0))
+      ->check(between(0.0, 179.0))
       ->needs(sun);
   add(options.lamps, "--lamp", "a point light: its place and intensity; may be repeated")
       ->option_text("X Y Z R G B");
@@ -49,7 +49,7 @@ void add_lights(CLI::App& command, LightingOptions& options, const std::string& 
       "counter-clockwise seen from above, degrees (0)")
       ->needs(file);
   add(options.environment_scale, "--environment-scale", "factor of its radiance (1)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->needs(file);
   options.of_scene_light.push_back(
       command
@@ -79,13 +79,13 @@ void add_lighting_options(CLI::App& command, LightingOptions& options) {
   };
   add(command.add_option("--ambient", options.ambient,
                          "direct: radiance that stands for all light that surfaces pass on (0.1)"))
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   add(command.add_option("--bounces", options.bounces, "path: from surface to surface at most (4)"))
-      ->check(CLI::Range(0, 1000));
+      ->check(between(0, 1000));
   add(command.add_option("--noise", options.noise,
                          "ends where the standard error is at most this share of the step from black to "
                          "white; --samples is the most then"))
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0.0, 1.0));
   add(command.add_option("--light-sampling", options.sampling,
                          "how light of areas and environments is found: both (default), lights or surface; "
                          "they differ in noise only"))

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <memory>
 #include <new>
+#include <numeric>
+#include <vector>
 
 namespace {
 
@@ -23,12 +25,62 @@ int fail(const std::string& text, int code) {
   return code;
 }
 
-/// What is wrong with the arguments. CLI11 asks for a command even when there is one that it doesn't know.
+/// Letters to insert, remove or exchange between two words.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t exchanged = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, exchanged});
+    }
+  }
+  return row.back();
+}
+
+/// Empty: none is near.
+std::string most_similar_option(const CLI::App& command, const std::string& name) {
+  constexpr std::size_t k_farthest = 3;
+  std::string nearest;
+  std::size_t least = k_farthest;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& known : option->get_lnames()) {
+      const std::size_t distance = edit_distance(name, "--" + known);
+      if (distance >= least) continue;
+      least = distance;
+      nearest = "--" + known;
+    }
+  }
+  return nearest;
+}
+
+/// What is wrong with the arguments. CLI11 asks for a command even when there is one that it doesn't know,
+/// and lists what is left over backwards.
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   const auto unknown = app.remaining();
   const bool has_command = !app.get_subcommands().empty();
-  if (!has_command && !unknown.empty()) return fmt::format("unknown command or option {}", unknown.front());
-  return error.what();
+  if (!unknown.empty()) return fmt::format("unknown command or option {}", unknown.front());
+  if (!has_command) return "a command is missing; `recede --help` lists them";
+  const CLI::App& command = *app.get_subcommands().front();
+  if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError)) return error.what();
+  const std::string first = command.remaining().front();
+  if (!first.starts_with('-')) return fmt::format("{}: one argument too many: {}", command.get_name(), first);
+  const std::string meant = most_similar_option(command, first);
+  return fmt::format("{} has no option {}{}", command.get_name(), first,
+                     meant.empty() ? "" : fmt::format(" (did you mean {}?)", meant));
+}
+
+/// Whole numbers: CLI11 takes a minus and counts down from the largest one.
+void refuse_negative_counts(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) {
+    for (CLI::Option* option : command->get_options()) {
+      if (option->get_type_name().starts_with("UINT"))
+        option->check(recede::cli::not_negative().description(""));
+    }
+  }
 }
 
 /// The number of threads belongs to the process; it must be known before any work starts.
@@ -66,6 +118,7 @@ int main(int argc, char** argv) {
   recede::cli::add_render_command(app);
   recede::cli::add_turntable_command(app);
   recede::cli::add_dice_command(app);
+  refuse_negative_counts(app);
   recede::cli::catch_interrupts();
   std::unique_ptr<tbb::global_control> limit;
   if (const int threads = threads_argument(argc, argv); threads > 0) {

@@ -99,7 +99,7 @@ void run(const ProgressiveCommandOptions& options) {
 
 void add_bits(CLI::App& command, const std::string& name, std::optional<int>& bits, const std::string& help) {
   command.add_option(name, bits, help)
-      ->check(CLI::Range(1, 30))
+      ->check(between(1, 30))
       ->group("Quantisation (default: none, bit for bit)");
 }
 

@@ -144,18 +144,14 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       ->required();
   const auto view = "View (default: the whole model from in front)";
   add_view_options(command, options.view, view);
-  command.add_option("--image-width", options.width, "pixels (800)")
-      ->check(CLI::Range(1, 32768))
-      ->group(view);
-  command.add_option("--image-height", options.height, "pixels (600)")
-      ->check(CLI::Range(1, 32768))
-      ->group(view);
+  command.add_option("--image-width", options.width, "pixels (800)")->check(between(1, 32768))->group(view);
+  command.add_option("--image-height", options.height, "pixels (600)")->check(between(1, 32768))->group(view);
   const auto level = "Level of a hierarchy";
   CLI::Option* fixed =
       command.add_option("--level", options.level, "this one; 0 is the finest")->group(level);
   command
       .add_option("--pixel-error", options.pixel_error, "the coarsest whose error covers at most this (1)")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->excludes(fixed)
       ->group(level);
   command
@@ -169,17 +165,17 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
   command
       .add_option("--distance-unit", options.distance_unit,
                   "of the rule by distance, object units (the radius of the bounding sphere)")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->group(level);
   command
       .add_option(
           "--near-limit", options.near_limit,
           "the rule by distance takes the coarsest level nearer than this to the surface, in its unit (0)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(level);
   const auto drawing = "Drawing";
   command.add_option("--samples", options.samples, "rays from the camera for each pixel (16)")
-      ->check(CLI::Range(1, 65536))
+      ->check(between(1, 65536))
       ->group(drawing);
   command.add_flag("--wireframe", options.wireframe, "lines along the sides of polygons")->group(drawing);
   CLI::Option* no_maps = command.add_flag("--no-maps", options.no_maps,
@@ -199,7 +195,7 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
   command
       .add_option("--subdivision-level", options.subdivision_level,
                   "of traced heights: every triangle of the base becomes 4^N (about two to a texel)")
-      ->check(CLI::Range(0, 14))
+      ->check(between(0, 14))
       ->option_text("N")
       ->group(drawing);
   add_height_map_options(command, options.heights, drawing);
@@ -223,7 +219,7 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       .add_option("--transition-distance", options.transition_distance,
                   "from the camera, around which auto changes methods, object units (where a wave of heights "
                   "covers two pixels)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(drawing);
   command
       .add_option(
@@ -242,7 +238,7 @@ void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
       .add_option("--matter-color", options.matter_color,
                   "of a textured shell without colours of its own, linear light (0.7 0.7 0.7)")
       ->option_text("R G B")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->group(drawing);
   command.add_flag("--flat", options.flat, "facets instead of smooth shading")->group(drawing);
   command.add_flag("--ground", options.ground, "a wide floor under the model")->group(drawing);
@@ -271,13 +267,13 @@ void add_turntable_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "folder for frame_0000.png and so on")->required();
   const auto motion = "Motion";
   command->add_option("--frames", options->frames, "number of pictures (36)")
-      ->check(CLI::Range(1, 9999))
+      ->check(between(1, 9999))
       ->group(motion);
   command->add_option("--turn", options->turn, "angle in all, degrees (360)")->group(motion);
   command
       ->add_option("--until-distance", options->until_distance,
                    "distance from what is looked at in the last picture, object units")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->group(motion);
   add_common_options(*command, options->common);
   command->callback([options] { run_turntable(*options); });

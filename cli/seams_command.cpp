@@ -165,7 +165,7 @@ void add_seams_command(CLI::App& app) {
   command
       ->add_option("--shown-error", options->shown_error,
                    "of the level that is written, units of the file (0: the finest)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->group(group);
   add_seam_options(*command, options->seams, group);
   add_common_options(*command, options->common);

@@ -205,7 +205,7 @@ CLI::Option* add_wrap_option(CLI::App& command, ShellCommandOptions& options) {
           "than this share of the diagonal (0.02)")
       ->expected(0, 1)
       ->default_str("0.02")
-      ->check(CLI::Range(1e-4, 1.0));
+      ->check(between(1e-4, 1.0));
 }
 
 void add_control_mesh_options(CLI::App& command, ShellCommandOptions& options, CLI::Option* wrap) {
@@ -213,12 +213,12 @@ void add_control_mesh_options(CLI::App& command, ShellCommandOptions& options, C
   CLI::Option* level = command.add_option(
       "--subdivide", options.level,
       "the input is a control mesh: builds the shell of its limit surface, refined so many times, 0 to 10");
-  level->check(CLI::Range(0, SubdivisionOptions::k_largest_level))->excludes(wrap)->group(group);
+  level->check(between(0, SubdivisionOptions::k_largest_level))->excludes(wrap)->group(group);
   command
       .add_option(
           "--interpolate-directors", options.interpolated_levels,
           "traces directors at the points of so many levels below only (0); others stand between them")
-      ->check(CLI::Range(0, SubdivisionOptions::k_largest_level))
+      ->check(between(0, SubdivisionOptions::k_largest_level))
       ->needs(level)
       ->group(group);
   command.add_option("--scheme", options.scheme, "catmull-clark (default) or loop, for triangles")
@@ -229,7 +229,7 @@ void add_control_mesh_options(CLI::App& command, ShellCommandOptions& options, C
   command
       .add_option("--crease-angle", options.crease_angle,
                   "edges are creases whose faces meet at more, degrees")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(between(0.0, 180.0))
       ->needs(level)
       ->group(group);
 }
@@ -249,11 +249,11 @@ void add_shell_command(CLI::App& app) {
   ShellOptions& shell = options->shell;
   CLI::Option* thickness =
       command->add_option("--thickness", shell.thickness, "how thick it is to be, object units");
-  thickness->check(CLI::PositiveNumber);
+  thickness->check(above_zero());
   command
       ->add_option("--relative-thickness", options->relative_thickness,
                    "the same as a share of the diagonal of the surface's box")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->excludes(thickness);
   command->add_option("--side", shell.side, "exterior (default), interior or envelope, which is both")
       ->transform(one_of<ShellSide>({{"exterior", ShellSide::exterior},
@@ -279,11 +279,11 @@ void add_shell_command(CLI::App& app) {
           "--step", shell.step,
           "the longest step of directors, as a share of the thickness, turning by at most 0.8 times as many "
           "radians (0.25; 0.125 is precise)")
-      ->check(CLI::Range(1e-3, 1.0));
+      ->check(between(1e-3, 1.0));
   command
       ->add_option("--border-extension", shell.border_extension,
                    "how far the field sees the surface go on at open borders, in thicknesses (2.5)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   add_control_mesh_options(*command, *options, add_wrap_option(*command, *options));
   command->add_flag("!--keep-directors", shell.at_least_normals,
                     "keeps directors that got shorter than plain normals could be all over the surface");

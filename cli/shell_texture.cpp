@@ -36,19 +36,19 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
       .add_option("--periods", options.periods,
                   "of the texture across the texture coordinates from 0 to 1 (10); along t as many as keep "
                   "its shape")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->needs(texture)
       ->group(group);
   command
       .add_option(
           "--texels", options.texels,
           "along s: of a period (64), or of all that is solid or empty (512), where as many are along t")
-      ->check(CLI::Range(1, 16384))
+      ->check(between(1, 16384))
       ->needs(texture)
       ->group(group);
   command
       .add_option("--layers", options.layers, "texels from the surface to the tops, of solid and empty (16)")
-      ->check(CLI::Range(1, 4096))
+      ->check(between(1, 4096))
       ->needs(texture)
       ->group(group);
   command.add_option("--texture-seed", options.seed, "of bark, bubbles and bushes (1)")
@@ -62,7 +62,7 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
   command
       .add_option("--texture-growth", options.growth,
                   "of bushes, from bare ground (0) to full-grown: pictures of an animation (1)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->needs(texture)
       ->group(group);
 }

@@ -89,11 +89,11 @@ void add_crease_options(CLI::App& command, SubdivideCommandOptions& options) {
   SubdivisionOptions& subdivision = options.subdivision;
   CLI::Option* angle = command.add_option("--crease-angle", options.crease_angle,
                                           "edges are creases whose faces meet at more, degrees");
-  angle->check(CLI::Range(0.0, 180.0))->group(group);
+  angle->check(between(0.0, 180.0))->group(group);
   command
       .add_option("--crease-sharpness", subdivision.crease_sharpness,
                   "levels that they stay sharp; from 10 on (default) for ever")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->needs(angle)
       ->group(group);
   command
@@ -128,7 +128,7 @@ void add_subdivide_command(CLI::App& app) {
       ->transform(one_of<SubdivisionScheme>(
           {{"catmull-clark", SubdivisionScheme::catmull_clark}, {"loop", SubdivisionScheme::loop}}));
   CLI::Option* level = command->add_option("--level", subdivision.level, "refinements, 0 to 10 (2)");
-  level->check(CLI::Range(0, SubdivisionOptions::k_largest_level));
+  level->check(between(0, SubdivisionOptions::k_largest_level));
   command
       ->add_option("--tolerance", subdivision.tolerance,
                    "the least level whose error estimate is no larger, object units")

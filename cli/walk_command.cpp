@@ -167,15 +167,13 @@ void add_walk_command(CLI::App& app) {
       ->add_option("--look-at", options->look_at,
                    "what is in the middle of the image (the middle of the model)")
       ->group(group);
-  command->add_option("--frames", options->frames, "steps (100)")
-      ->check(CLI::Range(1, 1'000'000))
-      ->group(group);
+  command->add_option("--frames", options->frames, "steps (100)")->check(between(1, 1'000'000))->group(group);
   add_up_option(*command, options->up, group);
   command->add_option("--image-width", options->width, "pixels (1920)")
-      ->check(CLI::Range(1, 100'000))
+      ->check(between(1, 100'000))
       ->group(group);
   command->add_option("--image-height", options->height, "pixels (1080)")
-      ->check(CLI::Range(1, 100'000))
+      ->check(between(1, 100'000))
       ->group(group);
   command->add_option("--field-of-view", options->field_of_view, "vertical, degrees (45)")->group(group);
   command->add_option("--pixel-error", options->pixel_error, "that may be seen, pixels (0.5)")->group(group);
@@ -186,7 +184,7 @@ void add_walk_command(CLI::App& app) {
   command
       ->add_option("--relative-error", options->relative_error,
                    "of the finest seams, as a share of the diagonal (0.0003)")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->group(group);
   add_seam_options(*command, options->seams, group);
   add_common_options(*command, options->common);
