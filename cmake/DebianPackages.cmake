@@ -32,7 +32,8 @@ set(CPACK_DEBIAN_COMMAND_DESCRIPTION
 set(libraries libeigen3-dev libembree-dev libfast-float-dev libfmt-dev libopenexr-dev libopenmesh-dev libosd-dev libpng-dev
   libtbb-dev libzstd-dev nlohmann-json3-dev zlib1g-dev)
 if(RECEDE_CAD)
-  list(APPEND libraries libocct-data-exchange-dev libocct-ocaf-dev)
+  # Debian's files for OpenCASCADE ask the linker for fontconfig, which they don't depend on.
+  list(APPEND libraries libfontconfig-dev libocct-data-exchange-dev libocct-ocaf-dev)
 endif()
 if(RECEDE_CGAL_GPL)
   list(APPEND libraries libgmp-dev libmpfr-dev)

@@ -1,6 +1,6 @@
 """Level-of-detail geometry that says how wrong it is.
 
-Meshes go in and come out as numpy arrays:
+Meshes go in and come out as numpy arrays::
 
     import recede
     mesh = recede.read("dragon.ply")
