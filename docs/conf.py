@@ -26,7 +26,8 @@ autodoc_member_order = "groupwise"
 autodoc_typehints_format = "short"
 autodoc_type_aliases = {"npt.ArrayLike": "ArrayLike"}
 html_theme = "alabaster"
-html_theme_options = {"page_width": "80em", "body_max_width": "none", "description": f"Version {release}"}
+html_theme_options = {"page_width": "auto", "body_max_width": "60em", "description": f"Version {release}",
+                      "extra_nav_links": {"C++ headers": "cpp/index.html"}}
 html_show_sourcelink = False
 html_copy_source = False
 
@@ -61,7 +62,7 @@ def link_files(app, doctree):
         header = HEADER_PAGES.get(str(path))
         if not header:
             linked_files.add(path)
-        link = nodes.reference("", "", *node.children, refuri=f"cpp/{header}" if header else f"{path}.html")
+        link = nodes.reference("", "", *node.children, refuri=f"cpp/{header}" if header else page_name(path) + ".html")
         node.replace_self(link)
 
 
@@ -73,21 +74,26 @@ def link_folder(app, env, node, content):
     folder = path.relative_to(TREE)
     linked_folders.add(folder)
     linked_files.update(file.relative_to(TREE) for file in path.iterdir() if file.is_file())
-    return nodes.reference("", "", content, refuri=f"{folder}/index.html")
+    return nodes.reference("", "", content, refuri=page_name(folder) + ".html")
+
+
+def page_name(path):
+    """All pages are in one folder, from where the navigation's links lead on."""
+    return "source-" + "-".join(path.parts)
 
 
 def source_pages(app):
     for path in linked_files:
         language = {".py": "python", ".cpp": "cpp", ".h": "cpp"}.get(path.suffix, "text")
-        yield page(path, path, app.builder.highlighter.highlight_block((TREE / path).read_text(), language))
+        yield page(path, app.builder.highlighter.highlight_block((TREE / path).read_text(), language))
     for folder in linked_folders:
-        names = sorted(html.escape(path.name) for path in linked_files if path.parent == folder)
-        yield page(folder / "index", folder, "".join(f'<p><a href="{name}.html">{name}</a></p>' for name in names))
+        files = sorted(path for path in linked_files if path.parent == folder)
+        yield page(folder, "".join(f'<p><a href="{page_name(file)}.html">{file.name}</a></p>' for file in files))
 
 
-def page(name, title, body):
-    title = html.escape(str(title))
-    return str(name), {"title": title, "body": f"<h1>{title}</h1>{body}"}, "page.html"
+def page(path, body):
+    title = html.escape(str(path))
+    return page_name(path), {"title": title, "body": f"<h1>{title}</h1>{body}"}, "page.html"
 
 
 def write_index(app, exception):
