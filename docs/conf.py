@@ -35,6 +35,7 @@ html_copy_source = False
 sys.path.insert(0, str(TREE / "python"))
 stub = TREE / "python/recede/_recede.pyi"
 sys.modules["recede._recede"] = compiled = types.ModuleType("recede")
+compiled.__version__ = release
 exec(compile(stub.read_text(), stub, "exec", __future__.annotations.compiler_flag), vars(compiled))
 
 # By path from the tree's folder. Doxygen gives them as they are in build/release/include/recede/.

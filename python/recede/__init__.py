@@ -59,6 +59,7 @@ from ._recede import (
     TrimmedPatch,
     TrimmingCurve,
     VolumeTexture,
+    __version__,
 )
 from . import _recede
 from .billboards import (build_billboards, make_billboard_reflectance, read_billboard_reflectance,
