@@ -2,6 +2,7 @@
 // usage.
 #include "common.h"
 #include <recede/geometry/error.h>
+#include <recede/version.h>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>

@@ -10,6 +10,7 @@
 #include <recede/lod/simplify.h>
 #include <recede/render/far_level.h>
 #include <recede/render/report.h>
+#include <recede/version.h>
 
 #include <oneapi/tbb/global_control.h>
 #include <pybind11/stl.h>
@@ -384,6 +385,7 @@ void set_threads(std::size_t count) {
 }  // namespace
 
 PYBIND11_MODULE(_recede, m) {
+  m.attr("__version__") = RECEDE_VERSION;
   bind_errors(m);
   bind_mesh(m);
   bind_results(m);

@@ -1,6 +1,6 @@
 """Level-of-detail geometry that says how wrong it is.
 
-Meshes go in and come out as numpy arrays:
+Meshes go in and come out as numpy arrays::
 
     import recede
     mesh = recede.read("dragon.ply")
@@ -59,6 +59,7 @@ from ._recede import (
     TrimmedPatch,
     TrimmingCurve,
     VolumeTexture,
+    __version__,
 )
 from . import _recede
 from .billboards import (build_billboards, make_billboard_reflectance, read_billboard_reflectance,

@@ -9,6 +9,8 @@ import numpy.typing as npt
 _Progress = Optional[Callable[[str, float], Optional[bool]]]
 _Path = Union[str, PathLike[str]]
 
+__version__: str
+
 class Error(RuntimeError):
     """Base of every error that Recede raises on purpose."""
 

@@ -1,5 +1,8 @@
 // Help, and what `recede` says to arguments that it doesn't understand.
 #include "run_recede.h"
+#include <recede/version.h>
+
+#include <fmt/format.h>
 
 namespace recede::test {
 namespace {
@@ -46,7 +49,13 @@ TEST(Usage, OfTheWholeCommandNamesTheCommands) {
 TEST(Usage, PrintsTheVersion) {
   const CommandResult run = run_recede({"--version"});
   EXPECT_EQ(run.code, 0);
-  EXPECT_EQ(run.output, std::string(RECEDE_VERSION) + "\n");
+  EXPECT_EQ(run.output, std::string(RECEDE_PROJECT_VERSION) + "\n");
+}
+
+TEST(Usage, TheHeaderHasTheVersionWholeAndInParts) {
+  EXPECT_STREQ(RECEDE_VERSION, RECEDE_PROJECT_VERSION);
+  EXPECT_EQ(fmt::format("{}.{}.{}", RECEDE_VERSION_MAJOR, RECEDE_VERSION_MINOR, RECEDE_VERSION_PATCH),
+            RECEDE_PROJECT_VERSION);
 }
 
 TEST(Usage, NeedsACommand) { EXPECT_THAT(complaint_of(run_recede({}), 2), HasSubstr("required")); }

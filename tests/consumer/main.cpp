@@ -3,8 +3,12 @@
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/simplify.h>
 #include <recede/render/report.h>
+#include <recede/version.h>
 
 #include <iostream>
+#include <string_view>
+
+static_assert(std::string_view(RECEDE_VERSION) == FOUND_VERSION, "the header and find_package say the same");
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;

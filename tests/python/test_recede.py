@@ -15,6 +15,11 @@ def square():
     return recede.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 
 
+def test_the_version_is_that_of_the_project():
+    project = pathlib.Path(__file__).parents[2] / "CMakeLists.txt"
+    assert f"project(recede VERSION {recede.__version__} " in project.read_text()
+
+
 def test_a_mesh_gives_back_the_arrays_it_was_made_of():
     positions = np.random.default_rng(1).random((5, 3))
     mesh = recede.Mesh(positions, [[0, 1, 2, 3], [0, 3, 4]], corner_uvs=np.ones((7, 2)),

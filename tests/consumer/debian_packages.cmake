@@ -1,0 +1,72 @@
+# cmake -D version=... -D python=... -D with_python=... and what install_and_use.cmake takes -P this
+# Makes Debian packages of the build tree, checks their fields, and uses what they hold without installing them.
+include(${CMAKE_CURRENT_LIST_DIR}/use_installed.cmake)
+
+foreach(tool dpkg-deb dpkg-shlibdeps file)
+  find_program(${tool}_program ${tool})
+  if(NOT ${tool}_program)
+    message("skipped: no ${tool}")
+    return()
+  endif()
+endforeach()
+
+# check_package(NAME SECTION regex... DEPENDS regex...): unpacks it, and `depends` is what it needs.
+function(check_package name)
+  cmake_parse_arguments(expected "" "SECTION" "DEPENDS" ${ARGN})
+  set(file ${work}/${name}_${version}_${architecture}.deb)
+  run(dpkg-deb -f ${file} Package Version Architecture Section Maintainer Description)
+  foreach(line "Package: ${name}" "Version: ${version}" "Architecture: ${architecture}" "Section: ${expected_SECTION}")
+    string(FIND "\n${output}" "\n${line}\n" position)
+    if(position EQUAL -1)
+      message(FATAL_ERROR "${name} lacks \"${line}\":\n${output}")
+    endif()
+  endforeach()
+  if(NOT output MATCHES "\nMaintainer: .+ <.+@.+>\n" OR NOT output MATCHES "\nDescription: level-of-detail .*\n \\.\n This package has ")
+    message(FATAL_ERROR "${name} isn't described:\n${output}")
+  endif()
+
+  # What it needs exists, and was there when it was built.
+  run(dpkg-deb -f ${file} Depends)
+  string(STRIP ", ${output}" depends)
+  foreach(needed ${expected_DEPENDS})
+    if(NOT depends MATCHES ", ${needed}(,|$| \\()")
+      message(FATAL_ERROR "${name} doesn't need ${needed}: ${depends}")
+    endif()
+  endforeach()
+  string(REGEX REPLACE " \\([^)]*\\)" "" names "${depends}")
+  string(REGEX MATCHALL "[^, ]+" names "${names}")
+  run(dpkg-query -W -f "\${db:Status-Status} \${Package}\n" ${names})
+  if(output MATCHES "(^|\n)[^i\n]")
+    message(FATAL_ERROR "${name} needs what isn't installed:\n${output}")
+  endif()
+
+  run(dpkg-deb -x ${file} ${work}/root)
+  if(NOT EXISTS ${work}/root/usr/share/doc/${name}/copyright)
+    message(FATAL_ERROR "${name} doesn't say under which licence it is")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE ${work})
+file(MAKE_DIRECTORY ${work})
+run(${CMAKE_CPACK_COMMAND} -G DEB --config ${build}/CPackConfig.cmake -B ${work} -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip)
+run(dpkg --print-architecture)
+string(STRIP "${output}" architecture)
+
+check_package(recede SECTION graphics DEPENDS libc6 libembree3-3 libtbb12 libopenmesh1)
+check_package(librecede-dev SECTION libdevel DEPENDS libeigen3-dev libembree-dev libtbb-dev)
+use_installed(${work}/root/usr)
+
+if(with_python)
+  check_package(python3-recede SECTION python DEPENDS libc6 libembree3-3 python3 python3-numpy)
+  set(modules ${work}/root/usr/lib/python3/dist-packages)
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${modules} PYTHONDONTWRITEBYTECODE=1 ${python} -c
+    "import recede\nprint(recede.__file__, recede.__version__, recede.make_teapot(4).n_faces)")
+  if(NOT output MATCHES "^${modules}/recede/__init__.py ${version} [1-9]")
+    message(FATAL_ERROR "Python printed:\n${output}")
+  endif()
+endif()
+
+file(GLOB roots RELATIVE ${work}/root ${work}/root/*)
+if(NOT roots STREQUAL "usr")
+  message(FATAL_ERROR "the packages have files outside /usr: ${roots}")
+endif()
