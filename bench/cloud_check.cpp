@@ -26,20 +26,34 @@ double bend_of(const PolygonSoup& model, Index face, const Vec3& normal) {
   return (high - low) / 2;
 }
 
+// Whether rounding of coordinates leaves a face a direction.
+bool has_direction(const PolygonSoup& model, Index face, const Vec3& area, double largest_coordinate) {
+  constexpr double k_rounding = 1e-12;
+  double longest = 0;
+  const Vec3& first = model.positions[model.face(face).front()];
+  for (const Index corner : model.face(face))
+    longest = std::max(longest, (model.positions[corner] - first).norm());
+  return area.norm() > k_rounding * largest_coordinate * longest;
+}
+
 }  // namespace
 
 CloudCheck check_cloud(const PolygonSoup& model, const BillboardCloud& cloud, bool is_two_sided) {
   CloudCheck check;
   std::vector<unsigned> uses(model.n_faces(), 0);
+  double largest_coordinate = 0;
+  for (const Vec3& point : model.positions)
+    largest_coordinate = std::max(largest_coordinate, point.cwiseAbs().maxCoeff());
   for (const Billboard& billboard : cloud.billboards) {
     const Vec3 normal = billboard.normal();
     for (const Index face : billboard.faces) {
       ++uses[face];
-      const Vec3 of_face = vector_area(model, face).normalized();
+      const Vec3 area = vector_area(model, face), of_face = area.normalized();
       const double cosine = is_two_sided ? std::abs(of_face.dot(normal)) : of_face.dot(normal);
       const bool is_bent = bend_of(model, face, of_face) > cloud.error;
       check.bent += is_bent ? 1 : 0;
-      if (!is_bent) check.deviation = std::max(check.deviation, std::acos(std::clamp(cosine, -1.0, 1.0)));
+      if (!is_bent && has_direction(model, face, area, largest_coordinate))
+        check.deviation = std::max(check.deviation, std::acos(std::clamp(cosine, -1.0, 1.0)));
       for (const Index corner : model.face(face)) {
         const double distance = std::abs((model.positions[corner] - billboard.center).dot(normal));
         check.distance = std::max(check.distance, distance / cloud.error);

@@ -6,8 +6,9 @@
 namespace recede::bench {
 
 struct CloudCheck {
-  double distance = 0;        ///< the largest of a point of a face from its billboard's plane, over the error
-  double deviation = 0;       ///< the largest angle between a flat face and its billboard, radians
+  double distance = 0;  ///< the largest of a point of a face from its billboard's plane, over the error
+  double deviation =
+      0;  ///< the largest angle between a flat face that has a direction and its billboard, radians
   std::size_t bent = 0;       ///< faces that no plane across their normal is within the error of
   std::size_t uncovered = 0;  ///< faces with an area in no billboard
   std::size_t repeated = 0;   ///< faces in more than one

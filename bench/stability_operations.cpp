@@ -108,7 +108,7 @@ void check_interior(const PolygonSoup& soup, const fs::path&) { check_layer(soup
 void check_billboards(const PolygonSoup& soup, const fs::path&) {
   const PolygonSoup model = triangulated(to_soup(repair_to_polygon_mesh(soup).mesh));
   BillboardOptions options;
-  options.errors = {0.02 * bounding_box(model).sizes().maxCoeff()};
+  if (model.n_faces() > 0) options.errors = {0.02 * bounding_box(model).sizes().maxCoeff()};
   const BillboardCloud cloud = build_billboard_clouds(model, options).front();
   const CloudCheck check = check_cloud(model, cloud, false);
   if (!check.is_sound(options.largest_deviation))

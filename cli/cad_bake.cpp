@@ -68,7 +68,7 @@ void print_missed(const CadHierarchy& cad, const CommonOptions& options) {
 void add_seam_options(CLI::App& command, SeamGraphOptions& options, const std::string& group) {
   command
       .add_option("--gap", options.gap,
-                  "widest gap between patches that is sewn up, units of the file (half of the finest error)")
+                  "widest gap between patches that is sewn up, millimetres (half of the finest error)")
       ->check(not_negative())
       ->group(group);
   command

@@ -1,5 +1,7 @@
 #include "cad_info.h"
 
+#include <recede/lod/cad_hierarchy.h>
+
 #include <algorithm>
 #include <map>
 
@@ -14,6 +16,7 @@ struct CadSummary {
   std::map<std::array<int, 2>, std::size_t> degrees;  ///< patches of each pair of degrees
   std::size_t rational_patches = 0;
   Box3 box;
+  double diagonal = 0;  ///< to which shares of the other commands refer
 };
 
 std::size_t count_open_edges(const CadPart& part) {
@@ -26,6 +29,29 @@ std::size_t count_open_edges(const CadPart& part) {
     }
   }
   return static_cast<std::size_t>(std::count(uses.begin(), uses.end(), 1));
+}
+
+// Around its trimming curves, and around a grid of points over the part of the surface that they enclose,
+// which may bulge between them.
+void extend(Box3& box, const TrimmedPatch& patch, const Eigen::Affine3d& placement) {
+  constexpr int k_samples = 8;
+  const auto add = [&](const Vec2& uv) { box.extend(placement * evaluate(patch.surface, uv)); };
+  Eigen::AlignedBox2d enclosed;
+  for (const TrimmingLoop& loop : patch.loops) {
+    for (const TrimmingCurve& curve : loop.curves) {
+      const ParameterRange range = curve.curve.domain();
+      for (int i = 0; i < k_samples; ++i) {
+        const Vec2 uv = evaluate(curve.curve, range.begin + range.length() * i / k_samples);
+        enclosed.extend(uv);
+        add(uv);
+      }
+    }
+  }
+  if (enclosed.isEmpty()) return;
+  for (int i = 0; i <= k_samples; ++i) {
+    for (int j = 0; j <= k_samples; ++j)
+      add(enclosed.min() + enclosed.sizes().cwiseProduct(Vec2(i, j)) / k_samples);
+  }
 }
 
 CadSummary summarize_cad(const CadModel& model) {
@@ -42,12 +68,11 @@ CadSummary summarize_cad(const CadModel& model) {
       if (patch.surface.is_rational()) ++summary.rational_patches;
     }
   }
-  // Surfaces stay inside the hull of their control points.
   for (const CadInstance& instance : model.instances) {
-    for (const TrimmedPatch& patch : model.parts[instance.part].patches) {
-      for (const Vec3& point : patch.surface.points) summary.box.extend(instance.placement * point);
-    }
+    for (const TrimmedPatch& patch : model.parts[instance.part].patches)
+      extend(summary.box, patch, instance.placement);
   }
+  summary.diagonal = cad_diagonal(model);
   return summary;
 }
 
@@ -85,6 +110,7 @@ void print_cad_json(const std::string& input, const CadModel& model, const CadSu
               {"open_edges", summary.open_edges},
               {"closed_parts", summary.closed_parts},
               {"box", {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}}},
+              {"diagonal", summary.diagonal},
               {"materials", materials},
               {"left_out", left_out_to_json(model)},
               {"repairs", model.repairs}});
@@ -114,6 +140,7 @@ void print_cad_text(const CadModel& model, const CadSummary& summary) {
   fmt::print("unit         {:g} m\n", model.metres_per_unit);
   fmt::print("box          {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n", low.x(), low.y(), low.z(),
              high.x(), high.y(), high.z());
+  fmt::print("diagonal     {:.6g}\n", summary.diagonal);
   std::vector<std::string> left_out, materials;
   for (const Material& material : model.materials) materials.push_back(material.name);
   for (const CadLeftOut& entry : model.left_out) left_out.push_back(entry.entity + ": " + entry.reason);

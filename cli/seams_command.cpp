@@ -156,7 +156,7 @@ void add_seams_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "writes the loops as lines of an .obj file");
   const auto group = "Seams";
   options->absolute =
-      command->add_option("--error", options->error, "of the finest level, units of the file")->group(group);
+      command->add_option("--error", options->error, "of the finest level, millimetres")->group(group);
   command
       ->add_option("--relative-error", options->relative_error,
                    "the same as a share of the diagonal (0.0003)")
@@ -164,7 +164,7 @@ void add_seams_command(CLI::App& app) {
       ->excludes(options->absolute);
   command
       ->add_option("--shown-error", options->shown_error,
-                   "of the level that is written, units of the file (0: the finest)")
+                   "of the level that is written, millimetres (0: the finest)")
       ->check(not_negative())
       ->group(group);
   add_seam_options(*command, options->seams, group);

@@ -160,7 +160,7 @@ void add_walk_command(CLI::App& app) {
   command->add_option("input", options->input, "CAD file (.step .stp .iges .igs .brep .brp)")->required();
   command->add_option("-o,--output", options->output, "writes a line for each frame as .csv");
   const auto group = "Walk";
-  command->add_option("--from", options->from, "where it starts, units of the file (8 diagonals away)")
+  command->add_option("--from", options->from, "where it starts, millimetres (8 diagonals away)")
       ->group(group);
   command->add_option("--to", options->to, "where it ends (a diagonal away)")->group(group);
   command

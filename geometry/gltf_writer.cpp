@@ -13,6 +13,7 @@
 #include <cstring>
 #include <deque>
 #include <limits>
+#include <optional>
 #include <unordered_set>
 
 namespace recede {
@@ -295,8 +296,33 @@ struct GltfBuilder::Impl {
     return result;
   }
 
+  // What has no material would be dark metal, as viewers draw what glTF says of it: it is painted plainly,
+  // grey unless it has colours, and marked, so that readers who know the mark find none.
+  static void paint_plainly(json& result) {
+    if (!result.contains("meshes")) return;
+    std::array<std::optional<std::size_t>, 2> plain;  // grey, white
+    for (json& mesh : result["meshes"]) {
+      for (json& primitive : mesh["primitives"]) {
+        if (primitive.contains("material")) continue;
+        const bool is_white = primitive["attributes"].contains("COLOR_0");
+        std::optional<std::size_t>& number = plain[is_white ? 1 : 0];
+        if (!number) {
+          json& materials = result["materials"];
+          number = materials.size();
+          const Vec4 color = is_white ? Vec4(Vec4::Ones()) : Material{}.base_color;
+          materials.push_back(
+              {{"pbrMetallicRoughness", {{"baseColorFactor", clamped_color(color)}, {"metallicFactor", 0.0}}},
+               {"doubleSided", true},
+               {"extras", {{detail::k_no_material, true}}}});
+        }
+        primitive["material"] = *number;
+      }
+    }
+  }
+
   json complete_document(bool with_data) const {
     json result = document;
+    paint_plainly(result);
     if (buffer.empty()) return result;
     json entry{{"byteLength", buffer.size()}};
     if (with_data) entry["uri"] = "data:application/octet-stream;base64," + detail::encode_base64(buffer);

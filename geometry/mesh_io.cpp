@@ -1,4 +1,5 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/cad_format.h>
 #include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
@@ -32,6 +33,8 @@ const Format& format_of(const fs::path& path) {
   for (const Format& format : k_formats) {
     if (format.extension == extension) return format;
   }
+  if (detail::cad_format_of(path))
+    throw InputError::in_file(path.string(), "a CAD file isn't a mesh; `recede bake` makes triangles of it");
   throw InputError::in_file(path.string(),
                             "unknown kind of mesh file; known are .obj .ply .stl .off .gltf .glb");
 }

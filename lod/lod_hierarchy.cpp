@@ -40,7 +40,7 @@ void check(const HierarchyOptions& options) {
   const ViewSettings& view = options.view;
   require(view.image_height >= 1, "the image height must be at least one pixel");
   require(view.field_of_view > 0 && view.field_of_view < 3.14159,
-          "the field of view must lie between 0 and pi");
+          "the field of view must lie between 0 and 180 degrees");
   require(view.pixel_error > 0, "the pixel error must be positive");
   require(options.measure.bound_tolerance.has_value(), "a hierarchy needs a certified bound");
 }

@@ -16,6 +16,9 @@
 
 namespace recede::detail {
 
+/// In the extras of a material that stands for none.
+inline constexpr const char* k_no_material = "no_material";
+
 /// A value in the document and where it stands ("meshes[0].primitives"). Every access checks the type.
 class GltfValue {
  public:

@@ -78,6 +78,11 @@ class GltfReader {
   void read_materials() {
     const GltfValue materials = root_["materials"];
     for (std::size_t i = 0; i < materials.size(); ++i) {
+      if (materials.at(i)["extras"][k_no_material]) {
+        material_numbers_.push_back(k_no_index);
+        continue;
+      }
+      material_numbers_.push_back(static_cast<Index>(soup_.materials.size()));
       const GltfValue surface = materials.at(i)["pbrMetallicRoughness"];
       Material material;
       material.name = materials.at(i)["name"].text_or("");
@@ -272,20 +277,24 @@ class GltfReader {
     if (!soup_.corner_uvs.empty()) soup_.corner_uvs.resize(soup_.n_corners(), Vec2::Zero());
     if (!soup_.corner_normals.empty()) soup_.corner_normals.resize(soup_.n_corners(), Vec3::Zero());
     if (!soup_.vertex_colors.empty()) soup_.vertex_colors.resize(soup_.positions.size(), Vec4::Ones());
-    if (!primitive["material"]) {
-      if (!soup_.face_materials.empty()) soup_.face_materials.resize(soup_.n_faces(), k_no_index);
-      return;
-    }
-    const std::size_t material = primitive["material"].integer();
-    if (material >= soup_.materials.size())
-      primitive["material"].fail(fmt::format("names material {}, which isn't there", material));
+    const Index material = material_of(primitive);
+    if (material == k_no_index && soup_.face_materials.empty()) return;
     soup_.face_materials.resize(n_faces_before_, k_no_index);
-    soup_.face_materials.resize(soup_.n_faces(), static_cast<Index>(material));
+    soup_.face_materials.resize(soup_.n_faces(), material);
+  }
+
+  Index material_of(const GltfValue& primitive) const {
+    if (!primitive["material"]) return k_no_index;
+    const std::size_t number = primitive["material"].integer();
+    if (number >= material_numbers_.size())
+      primitive["material"].fail(fmt::format("names material {}, which isn't there", number));
+    return material_numbers_[number];
   }
 
   const InputFile& file_;
   GltfDocument document_;
   GltfValue root_;
+  std::vector<Index> material_numbers_;  // of the file's materials
   PolygonSoup soup_;
   std::vector<bool> coarser_level_;
   std::vector<bool> visited_;

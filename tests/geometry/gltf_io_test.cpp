@@ -358,6 +358,36 @@ TEST(GltfBuilder, SharesMaterialsAndTakesExtensionsOfNodes) {
   EXPECT_EQ(read_soup(folder.write("a.gltf", builder.to_gltf())).n_faces(), 2u);
 }
 
+// Viewers draw what has no material as dark metal.
+TEST(GltfBuilder, PaintsWhatHasNoMaterialAndReadsNoneBack) {
+  const TempFolder folder;
+  PolygonSoup bare = two_triangles(), colored = bare, half = bare;
+  colored.vertex_colors.assign(colored.positions.size(), Vec4(1, 0, 0, 1));
+  half.materials = {{"wood", {1, 0.5, 0, 1}, ""}};
+  half.face_materials = {0, k_no_index};
+  for (const PolygonSoup& soup : {bare, colored, half}) {
+    GltfBuilder builder;
+    builder.add_to_scene(builder.add_node(builder.add_mesh(soup, "a"), "a"));
+    const json document = json::parse(builder.to_gltf());
+    for (const json& primitive : document["meshes"][0]["primitives"]) {
+      const json& surface = document["materials"].at(primitive.at("material").get<std::size_t>());
+      EXPECT_EQ(surface["pbrMetallicRoughness"]["metallicFactor"], 0.0);
+      EXPECT_EQ(surface["doubleSided"], true);
+    }
+    const PolygonSoup back = read_soup(folder.write("a.gltf", builder.to_gltf()));
+    EXPECT_EQ(back.materials, soup.materials);
+    EXPECT_EQ(back.face_materials, soup.face_materials);
+  }
+  GltfBuilder builder;
+  builder.add_mesh(bare, "bare");
+  builder.add_mesh(colored, "colored");
+  builder.add_mesh(bare, "bare again");
+  const json document = json::parse(builder.to_gltf());
+  ASSERT_EQ(document["materials"].size(), 2u);
+  EXPECT_LT(document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][0], 1.0);
+  EXPECT_EQ(document["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"][0], 1.0);
+}
+
 TEST(GltfBuilder, PutsAMeshInSeveralPlacesAndColoursWithOneCopyOfItsData) {
   const TempFolder folder;
   PolygonSoup soup;
