@@ -202,9 +202,7 @@ void run_for_cad(const BakeOptions& options) {
 
 void run(BakeOptions options) {
   const auto start = std::chrono::steady_clock::now();
-  if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output)) {
-    throw InputError::in_file(options.output, "isn't a folder");
-  }
+  check_output_folder(options.output);
   if (is_cad_path(options.input)) return run_for_cad(options);
   for (const std::string& name : options.given) {
     if (name == "--gap" || name == "--no-connectivity") throw OptionError(name + " is for CAD files");

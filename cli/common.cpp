@@ -1,15 +1,19 @@
 #include "common.h"
 
+#include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <system_error>
 
 namespace recede::cli {
 
@@ -48,6 +52,23 @@ CLI::Validator not_negative() {
 CLI::Validator between(double least, double most) {
   return number_check([=](double value) { return value >= least && value <= most; },
                       fmt::format("{} to {}", least, most));
+}
+
+void check_output_folder(const std::string& folder) {
+  fs::path nearest = fs::absolute(folder);
+  while (!fs::exists(nearest) && nearest.has_relative_path()) nearest = nearest.parent_path();
+  if (!fs::is_directory(nearest)) {
+    const std::string wrong = nearest == fs::absolute(folder) ? "" : nearest.string() + " ";
+    throw InputError::in_file(folder, wrong + "isn't a folder");
+  }
+  if (::access(nearest.c_str(), W_OK | X_OK) != 0)
+    throw InputError::in_file(folder, std::error_code(errno, std::generic_category()).message());
+}
+
+void check_output_file(const std::string& file, const std::string& extension) {
+  if (detail::lower_case_extension(file) != extension)
+    throw OptionError(fmt::format("--output: {} should end in {}", file, extension));
+  detail::check_place(file);
 }
 
 namespace {

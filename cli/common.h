@@ -64,6 +64,11 @@ CLI::Validator above_zero();
 CLI::Validator not_negative();
 CLI::Validator between(double least, double most);
 
+// Before any work: whether a folder, or a file with that extension, can be written there. Throw `InputError`,
+// `check_output_file` also `OptionError` for another extension.
+void check_output_folder(const std::string& folder);
+void check_output_file(const std::string& file, const std::string& extension);
+
 /// What the file holds, with nothing repaired; a built-in model else.
 PolygonSoup read_unrepaired(const std::string& input, Progress* progress);
 

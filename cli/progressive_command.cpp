@@ -77,6 +77,7 @@ void print_text(const ProgressiveCommandOptions& options, const ProgressiveMesh&
 }
 
 void run(const ProgressiveCommandOptions& options) {
+  check_output_file(options.output, ".pmesh");
   TerminalProgress progress(options.common.quiet);
   const PolygonSoup soup = read_input(options, &progress);
   ProgressiveOptions progressive = options.progressive;

@@ -69,7 +69,7 @@ std::string validity_text(const ShellLayer& layer) {
                                          n_contacts(layer.validity));
   return layer.is_valid_elsewhere ? fmt::format(
                                         "not valid over {} triangles ({}), "
-                                        "valid elsewhere",
+                                        "valid elsewhere; --wrap puts a closed surface around the model",
                                         layer.excused.size() + layer.given_up.size(), faults)
                                   : "not valid: " + faults;
 }
@@ -202,7 +202,7 @@ CLI::Option* add_wrap_option(CLI::App& command, ShellCommandOptions& options) {
       .add_option(
           "--wrap", options.relative_alpha,
           "first puts a closed surface around the model, which may be anything; goes into holes wider "
-          "than this share of the diagonal (0.02)")
+          "than this share of the diagonal (0.02); give the model first or write --wrap=0.02")
       ->expected(0, 1)
       ->default_str("0.02")
       ->check(between(1e-4, 1.0));

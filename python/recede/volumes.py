@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -98,11 +99,11 @@ def move_matter(textured: TexturedShell, source: Sequence[float], target: Sequen
                 size: Sequence[int] | None = None) -> tuple[TexturedShell, dict[str, float]]:
     """The shell with the matter around the point `source` of its surface moved to that around `target`.
 
-    Discs of `radius` along the surface, object units, are moved; `turn` is counter-clockwise, seen from outside, radians.
+    Discs of `radius` along the surface, object units, are moved; `turn` is counter-clockwise, seen from outside, degrees.
     With `copy` it stays where it was, too. The dict is that of `carve` with the `stretch` of the discs' maps (1: none) and
     the texels `without_source`, beyond the surface's border.
     """
-    settings = {"radius": radius, "turn": turn, "copy": copy, "size": None if size is None else [int(n) for n in size]}
+    settings = {"radius": radius, "turn": math.radians(turn), "copy": copy, "size": None if size is None else [int(n) for n in size]}
     return _recede.move_matter(textured, source, target, settings)
 
 
