@@ -107,7 +107,7 @@ TEST(BadOutput, FileInTheWayOfTheFolderIsNamed) {
     return complaint_of(run_recede({"bake", sphere, "-o", out, "--ratios", "0.5", "--no-report"}), 1);
   };
   EXPECT_EQ(complaint(file), "recede: " + file + ": isn't a folder");
-  EXPECT_EQ(complaint(file + "/below"), "recede: " + file + "/below: Not a directory");
+  EXPECT_EQ(complaint(file + "/below"), "recede: " + file + "/below: " + file + " isn't a folder");
   const std::string ply = file + "/small.ply";
   EXPECT_EQ(complaint_of(run_recede({"simplify", sphere, "-o", ply, "--ratio", "0.5"}), 1),
             "recede: " + ply + ": there is no folder " + file);
