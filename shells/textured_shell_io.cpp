@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -188,10 +190,23 @@ std::string unpacked(const std::string& bytes, const std::string& name) {
   const unsigned long long size = ZSTD_getFrameContentSize(frame, n);
   if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > k_most_bytes)
     throw InputError::in_file(name, "the file is damaged");
-  std::string result(size, '\0');
-  const std::size_t unpacked = ZSTD_decompress(result.data(), result.size(), frame, n);
-  if (ZSTD_isError(unpacked) || unpacked != size)
-    throw InputError::in_file(name, fmt::format("the file is damaged: {}", ZSTD_getErrorName(unpacked)));
+  // Memory follows what is there, not what the file says of itself.
+  constexpr std::size_t k_first = std::size_t{1} << 20;
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+  std::string result;
+  ZSTD_inBuffer in{frame, n, 0};
+  std::size_t done = 0, left = 1;
+  while (left > 0) {
+    if (done == result.size()) result.resize(std::min<std::size_t>(size, std::max(k_first, 2 * done)));
+    ZSTD_outBuffer out{result.data(), result.size(), done};
+    const std::size_t taken = in.pos;
+    left = ZSTD_decompressStream(context.get(), &out, &in);
+    if (ZSTD_isError(left))
+      throw InputError::in_file(name, fmt::format("the file is damaged: {}", ZSTD_getErrorName(left)));
+    if (out.pos == done && in.pos == taken) break;  // it ends too early
+    done = out.pos;
+  }
+  if (left > 0 || done != size || in.pos != n) throw InputError::in_file(name, "the file is damaged");
   return result;
 }
 

@@ -146,6 +146,16 @@ TEST(TexturedShellFile, IsReadOrRefusedWhateverItsNumbersAre) {
               ThrowsMessage<InputError>(HasSubstr("more than a textured shell")));
 }
 
+// A fuzzer found it: a frame of some bytes that says it holds 32 GiB.
+TEST(TexturedShellFile, IsRefusedBeforeThereIsMemoryForWhatItClaims) {
+  const TempFolder folder;
+  std::string bytes = "recede textured shell 2\n";
+  bytes += std::string("\x28\xb5\x2f\xfd\xe0\0\0\0\0\x08\0\0\0\x01\0\0", 16);
+  write_file_atomically(folder / "a.shell", bytes);
+  EXPECT_THAT([&] { read_textured_shell(folder / "a.shell"); },
+              ThrowsMessage<InputError>(HasSubstr("a.shell: the file is damaged")));
+}
+
 TEST(TexturedShellFile, IsRefusedWhenItIsDamaged) {
   const TempFolder folder;
   write_textured_shell(folder / "a.shell", textured(ShellSide::exterior, true));
