@@ -57,8 +57,7 @@ double ears_at(const Vec3& direction) {
 }  // namespace
 
 PolygonSoup bent_strip(double turning, double radius) {
-  constexpr int k_along = 96;
-  return test::sheet(k_along, 16, [&](double u, double v) {
+  return test::sheet(k_strip_sides, k_strip_rows, [&](double u, double v) {
     // Arc length from the middle: an arc, and straight beyond it.
     const double s = (2 * u - 1) * 2, half = radius * turning / 2, on_arc = std::clamp(s, -half, half),
                  straight = s - on_arc,

@@ -26,8 +26,7 @@ double degrees_between(const Vec3& a, const Vec3& b) {
 void add_two_points(BenchSection& section) {
   section.markdown +=
       "### Two points\n\nAveraged distance on the line between two specks of surface at -1 and 1; in "
-      "brackets "
-      "that of points\n\n| p | at 0 | 0.25 | 0.5 | 0.75 |\n|---|---|---|---|---|\n";
+      "brackets that of points\n\n| p | at 0 | 0.25 | 0.5 | 0.75 |\n|---|---|---|---|---|\n";
   PolygonSoup specks;
   constexpr double k_speck = 1e-3;
   for (const double x : {-1.0, 1.0}) {
@@ -55,10 +54,8 @@ void add_two_points(BenchSection& section) {
 void add_powers_in_a_cube(BenchSection& section) {
   section.markdown +=
       "\n### Powers in a cube\n\nCube from -1 to 1, at 400 random places inside it: angles between the "
-      "gradients "
-      "of the averaged and the exact distance, degrees, and lengths of gradients, of which that of the exact "
-      "one is "
-      "1\n\n| p | angle, mean | largest | length, mean | least |\n|---|---|---|---|---|\n";
+      "gradients of the averaged and the exact distance, degrees, and lengths of gradients, of which that of "
+      "the exact one is 1\n\n| p | angle, mean | largest | length, mean | least |\n|---|---|---|---|---|\n";
   const PolygonSoup cube = test::cube(2);
   const ClosestPointTree tree(cube.positions, triangulate(cube));
   std::mt19937 random(1);
@@ -107,14 +104,11 @@ double volume_of(const PolygonSoup& surface, const std::vector<Vec3>& positions)
 
 void add_filled_cube(BenchSection& section) {
   section.markdown +=
-      "\n### A cube is filled\n\nInterior layers of a cube from -1 to 1, 3072 triangles, by thickness; the "
-      "field "
-      "sees all of it. Share of the cube's volume: directors as they are traced (and inverted prisms), and "
+      "\n### A cube is filled\n\nInterior layers of a cube from -1 to 1, 3072 triangles, by thickness, in "
+      "precise steps. Share of the cube's volume: directors as they are traced (and inverted prisms), and "
       "repaired. Along the extended gradient of the exact distance: mean distance of the ends from the "
-      "diagonal "
-      "planes and middle planes where several points are nearest, over the thickness\n\n| thickness | traced "
-      "| "
-      "inverted | repaired | exact: ends from the medial axis |\n|---|---|---|---|---|\n";
+      "diagonal planes and middle planes where several points are nearest, over the thickness\n\n| thickness "
+      "| traced | inverted | repaired | exact: ends from the medial axis |\n|---|---|---|---|---|\n";
   const PolygonSoup cube = test::cube(16);
   for (const double thickness : {0.25, 0.5, 1.0, 2.0, 3.4}) {
     ShellOptions options{.thickness = thickness, .side = ShellSide::interior, .step = 0.125};
@@ -148,17 +142,15 @@ void add_filled_cube(BenchSection& section) {
 void add_bent_strip(BenchSection& section) {
   section.markdown +=
       "\n### A strip is bent\n\nExterior layers 0.3 thick in the fold of a strip that turns by an angle, "
-      "sharp "
-      "and "
-      "round: length of the directors in the fold over the thickness, with inverted prisms where there are "
-      "any\n\n| turning | sharp | radius 0.15 | radius 0.3 |\n|---|---|---|---|\n";
+      "sharp and round: length of the directors in the fold over the thickness, with inverted prisms where "
+      "there are any\n\n| turning | sharp | radius 0.15 | radius 0.3 |\n|---|---|---|---|\n";
   for (const int degrees : {0, 30, 60, 90, 120, 150}) {
     section.markdown += fmt::format("| {} |", degrees);
     for (const double radius : {0.0, 0.15, 0.3}) {
       const PolygonSoup strip = bent_strip(degrees * k_pi / 180, radius);
       const Shell shell = traced(strip, {.thickness = 0.3, .step = 0.125});
       const ShellLayer& layer = only_layer(shell);
-      constexpr std::size_t k_middle = 8 * 97 + 48;
+      constexpr std::size_t k_middle = k_strip_rows / 2 * (k_strip_sides + 1) + k_strip_sides / 2;
       const double length = (layer.tops[k_middle] - strip.positions[k_middle]).norm() / 0.3;
       section.markdown +=
           fmt::format(" {:.3f}{} |", length,
@@ -176,11 +168,9 @@ void add_bent_strip(BenchSection& section) {
 void add_squeezed_ball(BenchSection& section) {
   section.markdown +=
       "\n### A ball is squeezed\n\nInterior layers 0.3 thick in a ball of radius 1 whose waist gets "
-      "narrower: "
-      "inverted prisms and contacts along normals and along the averaged distance before repair, and lengths "
-      "of the "
-      "latter over the thickness\n\n| radius of the waist | normals | averaged | least | mean |\n"
-      "|---|---|---|---|---|\n";
+      "narrower: inverted prisms and contacts along normals and along the averaged distance before repair, "
+      "and lengths of the latter over the thickness\n\n| radius of the waist | normals | averaged | least | "
+      "mean |\n|---|---|---|---|---|\n";
   for (const double squeeze : {0.0, 0.2, 0.4, 0.6, 0.8}) {
     PolygonSoup body = test::ball(16);
     for (Vec3& p : body.positions) {
@@ -225,8 +215,8 @@ std::vector<Source> all_sources() {
 void add_sources(const std::string& name, const PolygonSoup& body, ShellSide side, double share,
                  BenchSection& section) {
   const double size = bounding_box(body).sizes().maxCoeff();
-  section.markdown += fmt::format("| {}, {} | {} {:.0f} % |", name, body.n_faces(),
-                                  side == ShellSide::exterior ? "exterior" : "interior", 100 * share);
+  section.markdown +=
+      fmt::format("| {}, {} | {} {:.0f} % |", name, body.n_faces(), name_of(side), 100 * share);
   for (Source source : all_sources()) {
     source.options.thickness = share * size;
     source.options.side = side;
@@ -243,7 +233,7 @@ void add_sources(const std::string& name, const PolygonSoup& body, ShellSide sid
                                     reached.mean, verdict_of(layer));
     section.rows.push_back({{"experiment", name},
                             {"triangles", body.n_faces()},
-                            {"side", side == ShellSide::exterior ? "exterior" : "interior"},
+                            {"side", name_of(side)},
                             {"thickness_share", share},
                             {"source", source.name},
                             {"inverted", first.inverted_before},
@@ -260,12 +250,10 @@ void add_sources(const std::string& name, const PolygonSoup& body, ShellSide sid
 void add_spikes_and_ears(BenchSection& section) {
   section.markdown +=
       "\n### Spikes, and thin ears\n\nA ball with sharp spikes and notches, and one with two thin ears, at "
-      "shares "
-      "of their longest sides. By what directors follow: inverted prisms and contacts before repair; mean "
-      "length "
-      "over the thickness after it; whether the layer is valid then\n\n| body, triangles | layer | normals | "
-      "exact "
-      "distance | averaged, vertices as points | averaged, triangles |\n|---|---|---|---|---|---|\n";
+      "shares of their longest sides. By what directors follow: inverted prisms and contacts before repair; "
+      "mean length over the thickness after it; whether the layer is valid then\n\n| body, triangles | layer "
+      "| normals | exact distance | averaged, vertices as points | averaged, triangles "
+      "|\n|---|---|---|---|---|---|\n";
   for (const ShellSide side : {ShellSide::exterior, ShellSide::interior}) {
     for (const double share : {0.02, 0.05, 0.1}) add_sources("spikes", spiky_ball(64), side, share, section);
   }
@@ -281,11 +269,10 @@ void add_hook(BenchSection& section) {
   const double size = bounding_box(body).sizes().maxCoeff();
   section.markdown += fmt::format(
       "\n### A hook\n\nA tube of diameter 0.5 along 5/6 of a circle of diameter 2, {} triangles. Thickness "
-      "over "
-      "the longest side up to which nothing is inverted, and up to which nothing meets either, before repair "
-      "(to "
-      "2 %, at most 1), and the mean length over the thickness of the repaired layer of 1\n\n| side | by | "
-      "inverted from | valid up to | repaired: mean | valid |\n|---|---|---|---|---|---|\n",
+      "over the longest side up to which nothing is inverted, and up to which nothing meets either, before "
+      "repair (to 2 %, at most 1), and the mean length over the thickness of the repaired layer of 1\n\n| "
+      "side | by | nothing inverted | nothing meets either | repaired: mean | valid "
+      "|\n|---|---|---|---|---|---|\n",
       body.n_faces());
   for (const ShellSide side : {ShellSide::exterior, ShellSide::interior}) {
     for (Source source : all_sources()) {
@@ -315,12 +302,10 @@ void add_hook(BenchSection& section) {
       const Shell shell = build_shell(body, source.options);
       const ShellLayer& layer = only_layer(shell);
       const double mean = reached_thickness(shell, layer).mean;
-      const char* name = side == ShellSide::exterior ? "exterior" : "interior";
-      section.markdown += fmt::format("| {} | {} | {} | {:.2f} | {:.3f} | {} |\n", name, source.name,
-                                      upright >= 1 ? "never" : fmt::format("{:.2f}", upright), valid, mean,
-                                      verdict_of(layer));
+      section.markdown += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.3f} | {} |\n", name_of(side),
+                                      source.name, upright, valid, mean, verdict_of(layer));
       section.rows.push_back({{"experiment", "hook"},
-                              {"side", name},
+                              {"side", name_of(side)},
                               {"source", source.name},
                               {"nothing_inverted_to", upright},
                               {"valid_to", valid},
@@ -362,15 +347,10 @@ void add_notch(BenchSection& section) {
   constexpr double k_thickness = 0.4;
   section.markdown += fmt::format(
       "\n### A notch between arms\n\nA profile with a gap 0.3 wide between two arms, at its end a sharp "
-      "notch, "
-      "drawn "
-      "out; layers 0.4 thick. In the middle: area of the layer, least length over the thickness, directors "
-      "that "
-      "point behind the surface; and inverted prisms and contacts of all of it. A front at one distance from "
-      "all of "
-      "the surface meets itself from {:.2f} on\n\n| layer | area | least | turned back | inverted, contacts "
-      "|\n"
-      "|---|---|---|---|---|\n",
+      "notch, drawn out; layers 0.4 thick. In the middle: area of the layer, least length over the "
+      "thickness, directors that point behind the surface; and inverted prisms and contacts of all of it. A "
+      "front at one distance from all of the surface meets itself from {:.2f} on\n\n| layer | area | least | "
+      "turned back | inverted, contacts |\n|---|---|---|---|---|\n",
       k_notch_gap / 2);
   const auto add = [&](const std::string& name, const ShellOptions& options) {
     const Shell shell = build_shell(body, options);

@@ -71,7 +71,7 @@ MeasuredLayer measure(const PolygonSoup& surface, double size, ShellSide side, d
   constexpr double k_about = 0.99;
   MeasuredLayer measured{
       reached, verdict_of(layer), reached.mean * share >= k_about * std::min(normals, share), {}};
-  measured.row = {{"side", side == ShellSide::exterior ? "exterior" : "interior"},
+  measured.row = {{"side", name_of(side)},
                   {"thickness_share", share},
                   {"is_valid", layer.validity.is_valid()},
                   {"is_valid_elsewhere", layer.is_valid_elsewhere},
@@ -106,7 +106,7 @@ void add_side(const std::string& name, const PolygonSoup& surface, ShellSide sid
   section.markdown +=
       fmt::format("| {} | {} | {:.3g} |{} {} |\n",
                   is_exterior ? fmt::format("{}, {}", name, triangulated(surface).n_faces()) : "",
-                  is_exterior ? "exterior" : "interior", 100 * normals, cells, verdicts);
+                  name_of(side), 100 * normals, cells, verdicts);
 }
 
 }  // namespace

@@ -20,6 +20,10 @@ const ShellLayer& only_layer(const Shell& shell) {
   return shell.exterior ? *shell.exterior : shell.interior.value();
 }
 
+const char* name_of(ShellSide side) {
+  return side == ShellSide::exterior ? "exterior" : side == ShellSide::interior ? "interior" : "envelope";
+}
+
 std::string verdict_of(const ShellLayer& layer) {
   if (layer.validity.is_valid()) return "yes";
   if (layer.is_valid_elsewhere) {

@@ -44,6 +44,9 @@ TimedShell build_timed(const PolygonSoup& surface, ShellSide side, double thickn
 /// The layer of a shell that has one.
 const ShellLayer& only_layer(const Shell& shell);
 
+/// As rows and tables call it.
+const char* name_of(ShellSide side);
+
 /// Valid, valid but over some triangles, or what is wrong.
 std::string verdict_of(const ShellLayer& layer);
 

@@ -13,8 +13,7 @@ constexpr std::size_t k_triangles = 5856;
 constexpr double k_share = 0.03;  // of the longest side
 
 void add_layer(const test::TortureVariant& variant, ShellSide side, BenchSection& section) {
-  nlohmann::json row = {{"model", variant.name},
-                        {"side", side == ShellSide::exterior ? "exterior" : "interior"}};
+  nlohmann::json row = {{"model", variant.name}, {"side", name_of(side)}};
   try {
     const PolygonSoup surface = to_soup(repair_to_polygon_mesh(variant.soup).mesh);
     const auto [shell, seconds] =

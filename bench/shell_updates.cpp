@@ -16,9 +16,10 @@
 namespace recede::bench {
 namespace {
 
+constexpr int k_runs = 5;
+
 /// Median of the milliseconds on the clock that `work` takes, which someone waits for.
 double waited(const std::function<void(int)>& work) {
-  constexpr int k_runs = 5;
   std::vector<double> milliseconds;
   for (int run = 0; run < k_runs; ++run) {
     const auto start = std::chrono::steady_clock::now();
@@ -117,7 +118,7 @@ void add_edits(Updates& updates) {
   for (const double x : {-0.6, 0.0, 0.6})
     combine(texture, *grid, ball_body({x, 0, 0.05}, 0.12), {.operation = VolumeOperation::unite});
   const auto edit = [&](const std::string& change, const auto& work) {
-    std::vector<VolumeTexture> copies(5, texture);
+    std::vector<VolumeTexture> copies(k_runs, texture);
     std::string remark;
     const double milliseconds =
         waited([&](int run) { remark = work(copies[static_cast<std::size_t>(run)]); });

@@ -78,22 +78,40 @@ double difference_of(const std::vector<double>& a, const std::vector<double>& b)
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-void add_receding_sheet(const std::string& name, const ProceduralVolume& procedural, BenchSection& section) {
-  const VolumeTexture texture = make_volume(procedural, k_texels);
-  const auto all_surfaces = std::make_shared<const VolumeMipmap>(
-                 make_mipmap(texture, {.least_share = 0, .seen_tolerance = k_all})),
-             both = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
-  const Sheet sheet{procedural.extent};
-  // Behind them is a texel alone, which is matter in any case.
-  for (int level = -1; level <= 5; ++level) {
-    const Camera camera = sheet.camera(45 * k_degree, k_side, std::exp2(level));
-    PlacedVolume finest = sheet.place(both), surfaces = sheet.place(all_surfaces), doubled = finest;
+/// What is seen of a sheet with pixels of some size, by kinds of levels.
+class SheetLevels {
+ public:
+  explicit SheetLevels(const ProceduralVolume& procedural)
+      : sheet_{procedural.extent}, texture_(make_volume(procedural, k_texels)) {
+    all_surfaces_ = std::make_shared<const VolumeMipmap>(
+        make_mipmap(texture_, {.least_share = 0, .seen_tolerance = k_all}));
+    both_ = std::make_shared<const VolumeMipmap>(make_mipmap(texture_));
+  }
+
+  int first_transparent() const { return both_->first_transparent(); }
+
+  /// Shares of blocks: of the finest level with 16 samples a pixel and with one, of levels as surfaces, and
+  /// of surfaces and then matter.
+  std::array<std::vector<double>, 4> coverage(double texels_to_a_pixel) const {
+    const Camera camera = sheet_.camera(45 * k_degree, k_side, texels_to_a_pixel);
+    PlacedVolume finest = sheet_.place(both_), surfaces = sheet_.place(all_surfaces_), doubled = finest;
     surfaces.view = volume_view(camera);
     doubled.view = surfaces.view;
-    const std::vector<double> reference = block_coverage(finest, camera, 4),
-                              one = block_coverage(finest, camera, 1),
-                              linear = block_coverage(surfaces, camera, 1),
-                              matter = block_coverage(doubled, camera, 1);
+    return {block_coverage(finest, camera, 4), block_coverage(finest, camera, 1),
+            block_coverage(surfaces, camera, 1), block_coverage(doubled, camera, 1)};
+  }
+
+ private:
+  Sheet sheet_;
+  VolumeTexture texture_;
+  std::shared_ptr<const VolumeMipmap> all_surfaces_, both_;
+};
+
+void add_receding_sheet(const std::string& name, const ProceduralVolume& procedural, BenchSection& section) {
+  const SheetLevels levels(procedural);
+  // Behind them is a texel alone, which is matter in any case.
+  for (int level = -1; level <= 5; ++level) {
+    const auto [reference, one, linear, matter] = levels.coverage(std::exp2(level));
     const double share = mean_of(reference), chance = std::sqrt(share * (1 - share)) / k_block;
     section.markdown += fmt::format(
         "| {} | {} | {:.3f} | {:.3f} ; {:.3f} | {:.3f} ; {:.3f} | {:.3f} ; {:.3f} | {:.3f} |\n", name,
@@ -102,7 +120,7 @@ void add_receding_sheet(const std::string& name, const ProceduralVolume& procedu
     section.rows.push_back({{"experiment", "receding sheet"},
                             {"texture", name},
                             {"texels_to_a_pixel", std::exp2(level)},
-                            {"first_transparent", both->first_transparent()},
+                            {"first_transparent", levels.first_transparent()},
                             {"reference", share},
                             {"one_sample", mean_of(one)},
                             {"one_sample_blocks", difference_of(one, reference)},
@@ -119,40 +137,26 @@ void add_receding_sheet(const std::string& name, const ProceduralVolume& procedu
 void measure_receding_sheets(BenchSection& section) {
   section.markdown +=
       "\n### Sheets that recede\n\nFrom 45 degrees, 64 texels a period. Share of the rays that are stopped, "
-      "mean "
-      "and root mean square of how far blocks of 8 x 8 pixels are off: reference of 16 samples a pixel, and "
-      "with "
-      "a sample a pixel no levels, all levels as surfaces (linear), levels as surfaces and then matter "
-      "(double); "
-      "last what 64 independent samples are off by\n\n| sheet | texels a pixel | reference | none | linear | "
-      "double | chance |\n|---|---|---|---|---|---|---|\n";
+      "mean and root mean square of how far blocks of 8 x 8 pixels are off: reference of 16 samples a pixel, "
+      "and with a sample a pixel no levels, all levels as surfaces (linear), levels as surfaces and then "
+      "matter (double); last what 64 independent samples are off by\n\n| sheet | texels a pixel | reference "
+      "| none | linear | double | chance |\n|---|---|---|---|---|---|---|\n";
   add_receding_sheet("wire mesh", wire_mesh(), section);
   add_receding_sheet("chain mail", chain_mail(), section);
 }
 
 namespace {
 
-/// Sheets that recede by a factor of 1.5 from period to period of time: how much blocks of pixels jump from
-/// frame to frame, beside what they change by all along.
+/// Sheets that get 1.5 times as far away over some frames: how much blocks of pixels jump, beside the mean of
+/// the frames before and after.
 void add_flicker(const std::string& name, const ProceduralVolume& procedural, BenchSection& section) {
-  const VolumeTexture texture = make_volume(procedural, k_texels);
-  const auto all_surfaces = std::make_shared<const VolumeMipmap>(
-                 make_mipmap(texture, {.least_share = 0, .seen_tolerance = k_all})),
-             both = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
-  const Sheet sheet{procedural.extent};
+  const SheetLevels levels(procedural);
   constexpr int k_frames = 25;
   for (const double nearest : {1.0, 4.0, 12.0}) {
     std::array<std::vector<std::vector<double>>, 4> blocks;
     for (int frame = 0; frame < k_frames; ++frame) {
-      const Camera camera =
-          sheet.camera(45 * k_degree, k_side, nearest * std::pow(1.5, static_cast<double>(frame) / k_frames));
-      PlacedVolume finest = sheet.place(both), surfaces = sheet.place(all_surfaces), doubled = finest;
-      surfaces.view = volume_view(camera);
-      doubled.view = surfaces.view;
-      blocks[0].push_back(block_coverage(finest, camera, 4));
-      blocks[1].push_back(block_coverage(finest, camera, 1));
-      blocks[2].push_back(block_coverage(surfaces, camera, 1));
-      blocks[3].push_back(block_coverage(doubled, camera, 1));
+      auto seen = levels.coverage(nearest * std::pow(1.5, static_cast<double>(frame) / k_frames));
+      for (std::size_t by = 0; by < seen.size(); ++by) blocks[by].push_back(std::move(seen[by]));
     }
     std::array<double, 4> flicker{};
     for (std::size_t by = 0; by < 4; ++by) {
@@ -183,11 +187,8 @@ void add_flicker(const std::string& name, const ProceduralVolume& procedural, Be
 void measure_flicker(BenchSection& section) {
   section.markdown +=
       "\n### Flicker of sheets that recede\n\nThe same sheets over 25 frames, in which they get 1.5 times as "
-      "far "
-      "away: root mean square of how far the share of stopped rays in a block of 8 x 8 pixels is off the "
-      "mean "
-      "of the "
-      "frames before and after\n\n| sheet | texels a pixel | 16 samples | none | linear | double "
+      "far away: root mean square of how far the share of stopped rays in a block of 8 x 8 pixels is off the "
+      "mean of the frames before and after\n\n| sheet | texels a pixel | 16 samples | none | linear | double "
       "|\n|---|---|---|---|---|---|\n";
   add_flicker("wire mesh", wire_mesh(), section);
   add_flicker("chain mail", chain_mail(), section);
@@ -214,8 +215,18 @@ struct Brightness {
   double finest, one_normal, ellipsoid, drawn;
 };
 
-/// Over what is seen: mean radiance of a white sheet under a lamp beside the camera, without shadows.
-double drawn_brightness(PlacedVolume placed, const Camera& camera, const Vec3& toward_lamp) {
+const Vec3 k_beside_the_camera = Vec3(1, 0, 1).normalized();  // in the camera's frame
+
+constexpr std::array<std::pair<const char*, double>, 3> k_grounds{
+    {{"smooth", 0}, {"rough, slopes up to 0.75", 0.04}, {"rougher, slopes up to 1.9", 0.1}}};
+
+/// Share of a picture's rays that are stopped, and the mean radiance of those.
+struct Seen {
+  double share = 0, brightness = 0;
+};
+
+/// Of white matter under a lamp, in the camera's frame, without shadows.
+Seen look_at(PlacedVolume placed, const Camera& camera, const Vec3& toward_lamp) {
   constexpr int k_samples = 8;
   placed.color = Rgb::Ones();
   const Scene scene({}, std::span<const PlacedVolume>(&placed, 1));
@@ -227,20 +238,21 @@ double drawn_brightness(PlacedVolume placed, const Camera& camera, const Vec3& t
                               .background = Rgb::Zero(),
                               .camera_light = {toward_lamp, Rgb::Ones(), Rgb::Zero(), Rgb::Zero()}});
   for (const Rgb& pixel : image.pixels) light += static_cast<double>(pixel.x());
-  return light / static_cast<double>(image.pixels.size()) / (hits / static_cast<double>(seen.size()));
+  const double share = hits / static_cast<double>(seen.size());
+  return {share, light / static_cast<double>(image.pixels.size()) / share};
 }
 
 Brightness brightness_of(const VolumeTexture& texture, const std::shared_ptr<const VolumeMipmap>& mipmap,
                          double elevation) {
-  const Vec3 toward_lamp = Vec3(1, 0, 1).normalized();  // in the camera's frame
+  const Vec3& toward_lamp = k_beside_the_camera;
   // 8 periods across.
   const Camera camera = Sheet{texture.extent}.camera(elevation, 32, 16);
   const CameraFrame frame = frame_of(camera);
   const Vec3 light = (toward_lamp.x() * frame.right - toward_lamp.z() * frame.forward).normalized();
   PlacedVolume placed = Sheet{texture.extent}.place(mipmap);
-  const double finest = drawn_brightness(placed, camera, toward_lamp);
+  const double finest = look_at(placed, camera, toward_lamp).brightness;
   placed.view = VolumeView{frame.position, 1};  // pixels are larger than any texel
-  const double drawn = drawn_brightness(placed, camera, toward_lamp);
+  const double drawn = look_at(placed, camera, toward_lamp).brightness;
   Vec3 gradients = Vec3::Zero();
   for (int k = 0; k < texture.size[2]; ++k)
     for (int j = 0; j < texture.size[1]; ++j)
@@ -284,53 +296,32 @@ PolygonSoup ball_of_quads() {
 
 void add_rough_balls(BenchSection& section) {
   section.markdown +=
-      "\nThe same grounds around a ball of 64 x 32 periods, so far away that a pixel is as wide as a period, "
-      "with the lamp 45 degrees beside the camera: mean brightness, and the largest difference of a block of "
-      "8 x 8 "
-      "pixels\n\n| ball | finest, 64 samples | level for the distance | largest difference "
-      "|\n|---|---|---|---|\n";
+      "\nThe same grounds around a ball of 64 x 32 periods, so far away that a pixel is as wide as a period: "
+      "share of the picture's rays that are stopped, and brightness over what is seen\n\n| ball | finest: "
+      "share ; brightness | level for the distance |\n|---|---|---|\n";
   const PolygonSoup base = ball_of_quads();
-  constexpr int k_pixels = 64;
-  const Camera camera{.position = {0, -400, 0},
+  constexpr double k_away = 400, k_seen = 1.1;
+  const Camera camera{.position = {0, -k_away, 0},
                       .target = Vec3::Zero(),
                       .up = Vec3::UnitZ(),
-                      .field_of_view = 2 * std::atan(1.1 / 400),
-                      .width = k_pixels,
-                      .height = k_pixels};
-  for (const auto& [name, bumps] : {std::pair("smooth", 0.0), std::pair("rough, slopes up to 0.75", 0.04),
-                                    std::pair("rougher, slopes up to 1.9", 0.1)}) {
+                      .field_of_view = 2 * std::atan(k_seen / k_away),
+                      .width = 64,
+                      .height = 64};
+  for (const auto& [name, bumps] : k_grounds) {
     const auto mipmap =
         std::make_shared<const VolumeMipmap>(make_mipmap(make_volume(ground(bumps), k_texels)));
     PlacedVolume placed = place_volume(base, mipmap, 0.05, {64, 32});
-    placed.color = Rgb::Ones();
-    const auto draw = [&](int samples) {
-      return render(Scene({}, std::span<const PlacedVolume>(&placed, 1)), camera,
-                    {.samples_per_pixel = samples,
-                     .background = Rgb::Zero(),
-                     .camera_light = {Vec3(1, 0, 1).normalized(), Rgb::Ones(), Rgb::Zero(), Rgb::Zero()}});
-    };
-    const Image finest = draw(64);
+    const Seen finest = look_at(placed, camera, k_beside_the_camera);
     placed.view = volume_view(camera);
-    const Image level = draw(64);
-    const auto blocks = [&](const Image& image) {
-      constexpr std::size_t k_across = k_pixels / k_block;
-      std::vector<double> means(k_across * k_across);
-      for (std::size_t i = 0; i < image.pixels.size(); ++i)
-        means[i / k_pixels / k_block * k_across + i % k_pixels / k_block] +=
-            static_cast<double>(image.pixels[i].x()) / (k_block * k_block);
-      return means;
-    };
-    const std::vector<double> of_finest = blocks(finest), of_level = blocks(level);
-    double largest = 0;
-    for (std::size_t b = 0; b < of_finest.size(); ++b)
-      largest = std::max(largest, std::abs(of_finest[b] - of_level[b]));
-    section.markdown += fmt::format("| {} | {:.4f} | {:.4f} | {:.4f} |\n", name, mean_of(of_finest),
-                                    mean_of(of_level), largest);
+    const Seen level = look_at(placed, camera, k_beside_the_camera);
+    section.markdown += fmt::format("| {} | {:.4f} ; {:.3f} | {:.4f} ; {:.3f} |\n", name, finest.share,
+                                    finest.brightness, level.share, level.brightness);
     section.rows.push_back({{"experiment", "brightness of balls"},
                             {"ball", name},
-                            {"finest", mean_of(of_finest)},
-                            {"level", mean_of(of_level)},
-                            {"largest_difference", largest}});
+                            {"finest_share", finest.share},
+                            {"finest", finest.brightness},
+                            {"level_share", level.share},
+                            {"level", level.brightness}});
   }
 }
 
@@ -339,15 +330,14 @@ void add_rough_balls(BenchSection& section) {
 void measure_volume_brightness(BenchSection& section) {
   section.markdown +=
       "\n### Brightness of rough sheets\n\nMatt and white, a lamp 45 degrees beside the camera without "
-      "shadows: "
-      "drawn at the finest level; from a whole period's filtered normal, and from its ellipsoid of normals, "
-      "as the "
-      "source has them; drawn from the last level of matter\n\n| sheet | seen from | finest | one normal | "
-      "ellipsoid | last level |\n|---|---|---|---|---|---|\n";
-  for (const auto& [name, procedural] :
-       {std::pair("smooth", ground(0)), std::pair("rough, slopes up to 0.75", ground(0.04)),
-        std::pair("rougher, slopes up to 1.9", ground(0.1)), std::pair("bark", without_colors(bark())),
-        std::pair("chain mail", chain_mail())}) {
+      "shadows: drawn at the finest level; from a whole period's filtered normal, and from its ellipsoid of "
+      "normals, as the source has them; drawn from the last level of matter\n\n| sheet | seen from | finest "
+      "| one normal | ellipsoid | last level |\n|---|---|---|---|---|---|\n";
+  std::vector<std::pair<std::string, ProceduralVolume>> sheets;
+  for (const auto& [name, bumps] : k_grounds) sheets.emplace_back(name, ground(bumps));
+  sheets.emplace_back("bark", without_colors(bark()));
+  sheets.emplace_back("chain mail", chain_mail());
+  for (const auto& [name, procedural] : sheets) {
     const VolumeTexture texture = make_volume(procedural, k_texels);
     const auto mipmap = std::make_shared<const VolumeMipmap>(make_mipmap(texture));
     for (const double elevation : {90.0, 45.0}) {
@@ -411,12 +401,9 @@ double opacity_of_rows(const TransparentVolume& level, int axis, double correlat
 void measure_tubes(BenchSection& section) {
   section.markdown +=
       "\n### A bundle of tubes\n\nTubes along t, sixteen of diameter 0.16 in a period of 1 x 1 x 1, in four "
-      "rows. "
-      "Share of the rays along an axis that are stopped: at the finest level, and by rows of texels of a "
-      "level one "
-      "after the other, as if they were independent (C = 0) or with the level's correlation\n\n| along | "
-      "finest "
-      "level | texels in a row | C = 0 | estimated C | C |\n|---|---|---|---|---|---|\n";
+      "rows. Share of the rays along an axis that are stopped: at the finest level, and by rows of texels of "
+      "a level one after the other, as if they were independent (C = 0) or with the level's correlation\n\n| "
+      "along | finest level | texels in a row | C = 0 | estimated C | C |\n|---|---|---|---|---|---|\n";
   const VolumeTexture texture = make_volume(
       [](const Vec3& point) {
         const double x = std::remainder(point.x() - 0.125, 0.25), z = std::remainder(point.z() - 0.125, 0.25);

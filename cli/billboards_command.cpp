@@ -270,9 +270,7 @@ void print_document(const Made& made, const BillboardsOptions& options, double s
 void run(BillboardsOptions options) {
   const auto start = std::chrono::steady_clock::now();
   if (!options.output.empty()) check_mesh_path(options.output);
-  if (!options.folder.empty() && std::filesystem::exists(options.folder) &&
-      !std::filesystem::is_directory(options.folder))
-    throw InputError::in_file(options.folder, "isn't a folder");
+  if (!options.folder.empty()) check_output_folder(options.folder);
   if (options.mipmaps > 0 && options.folder.empty()) throw OptionError("--mipmaps needs --folder");
   if (options.reflectance && options.folder.empty()) throw OptionError("--reflectance needs --folder");
   TerminalProgress progress(options.common.quiet);

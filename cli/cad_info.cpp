@@ -31,26 +31,23 @@ std::size_t count_open_edges(const CadPart& part) {
   return static_cast<std::size_t>(std::count(uses.begin(), uses.end(), 1));
 }
 
-// Around its trimming curves, and around a grid of points over the part of the surface that they enclose,
-// which may bulge between them.
+// A grid of points over the part of the surface that trimming curves enclose, which may bulge between them.
 void extend(Box3& box, const TrimmedPatch& patch, const Eigen::Affine3d& placement) {
-  constexpr int k_samples = 8;
-  const auto add = [&](const Vec2& uv) { box.extend(placement * evaluate(patch.surface, uv)); };
+  constexpr int k_steps = 8;
   Eigen::AlignedBox2d enclosed;
   for (const TrimmingLoop& loop : patch.loops) {
     for (const TrimmingCurve& curve : loop.curves) {
       const ParameterRange range = curve.curve.domain();
-      for (int i = 0; i < k_samples; ++i) {
-        const Vec2 uv = evaluate(curve.curve, range.begin + range.length() * i / k_samples);
-        enclosed.extend(uv);
-        add(uv);
-      }
+      for (int i = 0; i <= k_steps; ++i)
+        enclosed.extend(evaluate(curve.curve, range.begin + range.length() * i / k_steps));
     }
   }
   if (enclosed.isEmpty()) return;
-  for (int i = 0; i <= k_samples; ++i) {
-    for (int j = 0; j <= k_samples; ++j)
-      add(enclosed.min() + enclosed.sizes().cwiseProduct(Vec2(i, j)) / k_samples);
+  for (int i = 0; i <= k_steps; ++i) {
+    for (int j = 0; j <= k_steps; ++j) {
+      const Vec2 uv = enclosed.min() + enclosed.sizes().cwiseProduct(Vec2(i, j)) / k_steps;
+      box.extend(placement * evaluate(patch.surface, uv));
+    }
   }
 }
 
@@ -68,11 +65,12 @@ CadSummary summarize_cad(const CadModel& model) {
       if (patch.surface.is_rational()) ++summary.rational_patches;
     }
   }
+  summary.box = cad_trimming_box(model);
+  summary.diagonal = cad_diagonal(model);
   for (const CadInstance& instance : model.instances) {
     for (const TrimmedPatch& patch : model.parts[instance.part].patches)
       extend(summary.box, patch, instance.placement);
   }
-  summary.diagonal = cad_diagonal(model);
   return summary;
 }
 

@@ -29,11 +29,12 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 
 namespace {
 
-// Complains with `text` of numbers that aren't `right`.
+// Complains with `text` of finite numbers that aren't `right`.
 CLI::Validator number_check(std::function<bool(double)> right, const std::string& text) {
   const auto check = [right = std::move(right), text](const std::string& input) -> std::string {
     double value = 0;
     if (!CLI::detail::lexical_cast(input, value)) return fmt::format("{} isn't a number", input);
+    if (!std::isfinite(value)) return fmt::format("{} isn't a finite number", input);
     return right(value) ? "" : fmt::format("{} must be {}", input, text);
   };
   return CLI::Validator(check, text);
@@ -42,11 +43,11 @@ CLI::Validator number_check(std::function<bool(double)> right, const std::string
 }  // namespace
 
 CLI::Validator above_zero() {
-  return number_check([](double value) { return value > 0 && std::isfinite(value); }, "above 0");
+  return number_check([](double value) { return value > 0; }, "above 0");
 }
 
 CLI::Validator not_negative() {
-  return number_check([](double value) { return value >= 0 && std::isfinite(value); }, "at least 0");
+  return number_check([](double value) { return value >= 0; }, "at least 0");
 }
 
 CLI::Validator between(double least, double most) {

@@ -102,9 +102,7 @@ Camera camera_of_frame(const RenderCommandOptions& options, const Camera& first,
 
 void run_turntable(const RenderCommandOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  if (fs::exists(options.output) && !fs::is_directory(options.output)) {
-    throw InputError::in_file(options.output, "isn't a folder");
-  }
+  check_output_folder(options.output);
   TerminalProgress progress(options.common.quiet);
   Drawn drawn(options, &progress);
   const Camera first =

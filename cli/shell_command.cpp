@@ -154,6 +154,7 @@ void check_output(const ShellCommandOptions& options) {
   if (is_textured && options.shell.side == ShellSide::envelope)
     throw OptionError("--texture fills one layer: --side exterior or interior");
   if (!options.output.empty() && !is_textured) check_mesh_path(options.output);
+  if (!options.folder.empty()) check_output_folder(options.folder);
 }
 
 /// Level 0 of the hierarchy in a folder is the shell.

@@ -218,7 +218,7 @@ class CadLevels {
 
 }  // namespace
 
-double cad_diagonal(const CadModel& model) {
+Box3 cad_trimming_box(const CadModel& model) {
   constexpr int k_samples = 8;
   Box3 box;
   for (const CadInstance& instance : model.instances) {
@@ -234,6 +234,11 @@ double cad_diagonal(const CadModel& model) {
       }
     }
   }
+  return box;
+}
+
+double cad_diagonal(const CadModel& model) {
+  const Box3 box = cad_trimming_box(model);
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 

@@ -52,8 +52,10 @@ struct CadHierarchy {
 CadHierarchy build_cad_hierarchy(const CadModel& model, const std::string& name,
                                  const CadHierarchyOptions& options = {}, Progress* progress = nullptr);
 
-/// The diagonal of the box of points of all trimming curves, where instances are: the size to which shares of
-/// errors refer. 0 without curves.
+/// The box of points of all trimming curves, where instances are. Surfaces may bulge out of it.
+Box3 cad_trimming_box(const CadModel& model);
+
+/// The diagonal of that box: the size to which shares of errors refer. 0 without curves.
 double cad_diagonal(const CadModel& model);
 
 }  // namespace recede

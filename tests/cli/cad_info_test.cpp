@@ -2,7 +2,9 @@
 #include "cad_shapes.h"
 #include "run_recede.h"
 
+#include <cmath>
 #include <set>
+#include <tuple>
 
 namespace recede::test {
 namespace {
@@ -41,6 +43,27 @@ TEST(CadInfo, CountsPartsAndPatches) {
   EXPECT_NEAR(info["box"]["min"][2].get<double>(), -7, 1e-9);
   EXPECT_TRUE(info["left_out"].empty());
   EXPECT_TRUE(info["repairs"].empty());
+}
+
+// Control points lie outside of round parts; a sphere has no trimming curves around its middle.
+TEST(CadInfo, HasTheBoxOfThePartItself) {
+  const TempFolder folder;
+  write_brep(folder / "sphere.brep", cad_sphere(10));
+  write_brep(folder / "cylinder.brep", cad_cylinder(5, 12));
+  for (const auto& [file, radius, low, high] :
+       {std::tuple("sphere.brep", 10.0, -10.0, 10.0), std::tuple("cylinder.brep", 5.0, 0.0, 12.0)}) {
+    const nlohmann::json info = json_of(run_recede({"info", folder / file, "--json"}));
+    const nlohmann::json &least = info["box"]["min"], &most = info["box"]["max"];
+    // A grid of eighths has the quarters of a circle.
+    for (const int axis : {0, 1}) {
+      EXPECT_NEAR(least[axis].get<double>(), -radius, 1e-9) << file;
+      EXPECT_NEAR(most[axis].get<double>(), radius, 1e-9) << file;
+    }
+    EXPECT_NEAR(least[2].get<double>(), low, 1e-9) << file;
+    EXPECT_NEAR(most[2].get<double>(), high, 1e-9) << file;
+    EXPECT_GT(info["diagonal"].get<double>(), 0);
+    EXPECT_LE(info["diagonal"].get<double>(), 2 * std::hypot(radius, radius, (high - low) / 2) + 1e-9);
+  }
 }
 
 TEST(CadInfo, PrintsWhatWasLeftOutAndMended) {

@@ -82,6 +82,11 @@ def test_matter_is_carved_and_moved(shell):
     assert one.volume.colors is not None
     moved, figures = recede.move_matter(one, (0, 0, 1), (0, 1, 0), 0.3)
     assert figures["changed"] > 10 and figures["stretch"] < 1.5
+    beside, _ = recede.carve(empty, (0.15, 0, 1.05, 0.08), "unite")
+    straight, whole, quarter = (recede.move_matter(beside, (0, 0, 1), (0, 1, 0), 0.3, turn=turn)[0].volume.opacity.astype(int)
+                                for turn in (0, 360, 90))
+    assert abs(whole - straight).max() <= 1, "turns are degrees"  # rounding of coordinates
+    assert abs(quarter - straight).max() > 100
     stays, _ = recede.carve(moved, (0, 0, 1.05, 0.15), "cut")
     assert (stays.volume.opacity == moved.volume.opacity).all(), "nothing was left there"
     with pytest.raises(recede.OptionError, match="radius"):
