@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -54,12 +55,16 @@ std::string read_whole_file(const fs::path& path) {
   if (!file) fail(path, errno);
   std::string content;
   const auto size = fs::file_size(path, ignored);
-  if (!ignored) content.reserve(size);
-  constexpr std::size_t k_block = std::size_t{1} << 20;  // a megabyte a read: few calls, little slack
+  // A megabyte a read: few calls, little slack. Less where the file ends, which may also grow or have no
+  // size.
+  constexpr std::size_t k_block = std::size_t{1} << 20, k_least = 4096;
+  const std::size_t expected = ignored ? 0 : size;
+  content.reserve(expected + k_least);
   for (;;) {
-    const std::size_t before = content.size();
-    content.resize(before + k_block);
-    const std::size_t got = std::fread(content.data() + before, 1, k_block, file.get());
+    const std::size_t before = content.size(), left = expected - std::min(expected, before),
+                      block = std::clamp(left, k_least, k_block);
+    content.resize(before + block);
+    const std::size_t got = std::fread(content.data() + before, 1, block, file.get());
     content.resize(before + got);
     if (got == 0) break;
   }

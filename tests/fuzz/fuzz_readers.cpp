@@ -3,7 +3,7 @@
 //
 //   fuzz_readers --reader=NAME CORPUS...    names are those of k_readers
 //   fuzz_readers --seeds=FOLDER             writes a small file of each kind into FOLDER/NAME/ instead
-#include "soups.h"
+#include "fuzz_seeds.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/exr.h>
 #include <recede/geometry/mesh_io.h>
@@ -11,14 +11,15 @@
 #include <recede/geometry/raster.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/pmesh.h>
-#include <recede/render/image_io.h>
+#include <recede/render/appearance.h>
+#include <recede/render/billboard_reflectance.h>
 #include <recede/render/local_pca.h>
-#include <recede/shells/procedural_volumes.h>
+#include <recede/render/reflectance_table.h>
+#include <recede/render/scattering_table.h>
 #include <recede/shells/textured_shell_io.h>
 
 #include <unistd.h>
 
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -28,6 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace recede;
+using namespace recede::test;
 
 void require(bool holds, const char* what) {
   if (holds) return;
@@ -70,77 +72,28 @@ void take_exr(const fs::path& file) {
 }
 
 void take_hierarchy(const fs::path& file) {
-  // The folder's files are there but for what a fuzzer writes.
+  // The levels' files are there as they were written.
   const LodHierarchy hierarchy = read_hierarchy(file.parent_path());
   require(!hierarchy.levels.empty(), "a hierarchy has levels");
 }
 
 void take_pca(const fs::path& file) { read_local_pca(file); }
 
-void seed_soup(const fs::path& folder, const char* extension) {
-  for (const bool attributes : {false, true}) {
-    const PolygonSoup soup = test::random_soup(7, {.attributes = attributes});
-    for (const bool ascii : {false, true})
-      write_soup(folder / ((attributes ? "b" : "a") + std::string(ascii ? "t" : "") + extension), soup,
-                 {.ascii = ascii});
-  }
+void take_appearance(const fs::path& file) {
+  require(read_appearance(file)->wavelength() >= 0, "a wavelength isn't below 0");
 }
 
-PolygonSoup sheet() {
-  PolygonSoup soup;
-  constexpr int k_side = 4;
-  for (int j = 0; j <= k_side; ++j)
-    for (int i = 0; i <= k_side; ++i) soup.positions.emplace_back(i, j, i * j % 3);
-  for (Index j = 0; j < k_side; ++j) {
-    for (Index i = 0; i < k_side; ++i) {
-      const Index a = j * (k_side + 1) + i, b = a + k_side + 1;
-      soup.add_face(std::array<Index, 4>{a, a + 1, b + 1, b});
-    }
-  }
-  for (const Index v : soup.corner_vertices) soup.corner_uvs.push_back(soup.positions[v].head<2>() / k_side);
-  return soup;
+void take_reflectance(const fs::path& file) { read_billboard_reflectance(file); }
+
+void take_reflectance_table(const fs::path& file) {
+  const ReflectanceTable table = read_reflectance_table(file);
+  require(table.views > 0 && !table.values.empty(), "a table has values");
 }
 
-void seed_pmesh(const fs::path& folder, const char* extension) {
-  ProgressiveOptions options;
-  options.simplify.target.ratio = 0.1;
-  options.simplify.prove_error = false;
-  const ProgressiveMesh mesh = build_progressive_mesh(sheet(), options);
-  write_pmesh(folder / (std::string("a") + extension), mesh);
-  write_pmesh(folder / (std::string("b") + extension), mesh, {.position_bits = 10, .keep_numbering = true});
-}
-
-void seed_shell(const fs::path& folder, const char* extension) {
-  VolumeMipmap texture;
-  texture.surfaces.push_back(make_volume(weave(), 4));
-  const TexturedShell shell{.shell = std::make_shared<const Shell>(build_shell(sheet(), {.thickness = 0.2})),
-                            .texture = std::make_shared<const VolumeMipmap>(std::move(texture))};
-  write_textured_shell(folder / (std::string("a") + extension), shell);
-}
-
-void seed_image(const fs::path& folder, const char* extension) {
-  Image image(5, 3);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    image.pixels[i] = Rgb(0.1f * static_cast<float>(i), 0.5f, 0.25f);
-  write_image(folder / (std::string("a") + extension), image);
-}
-
-void seed_hierarchy(const fs::path& folder, const char*) {
-  HierarchyOptions options;
-  options.ratios = {0.5};
-  options.measure.samples = 100;
-  const fs::path made =
-      write_hierarchy(folder / "files", build_hierarchy(repair_to_polygon_mesh(sheet()).mesh, "a", options))
-          .folder;
-  fs::copy_file(made / "hierarchy.json", folder / "hierarchy.json", fs::copy_options::overwrite_existing);
-  fs::remove_all(folder / "files");
-}
-
-void seed_pca(const fs::path& folder, const char* extension) {
-  std::vector<float> numbers;
-  for (int i = 0; i < 60; ++i) numbers.push_back(static_cast<float>(i * i % 17));
-  write_local_pca(folder / (std::string("a") + extension),
-                  make_local_pca(vectors_in(numbers, 3), {.clusters = 2, .components = 2}));
+void take_scattering_table(const fs::path& file) {
+  const ScatteringTable table = read_scattering_table(file);
+  require(table.values.size() == table.slice_count() * table.slice_size(),
+          "as many values as its numbers say");
 }
 
 struct Reader {
@@ -151,13 +104,23 @@ struct Reader {
 };
 
 constexpr Reader k_readers[] = {
-    {"obj", ".obj", take_soup, seed_soup},       {"ply", ".ply", take_soup, seed_soup},
-    {"stl", ".stl", take_soup, seed_soup},       {"off", ".off", take_soup, seed_soup},
-    {"gltf", ".gltf", take_soup, seed_soup},     {"glb", ".glb", take_soup, seed_soup},
-    {"points", ".ply", take_points, seed_soup},  {"pmesh", ".pmesh", take_pmesh, seed_pmesh},
-    {"shell", ".shell", take_shell, seed_shell}, {"png", ".png", take_png, seed_image},
-    {"exr", ".exr", take_exr, seed_image},       {"hierarchy", ".json", take_hierarchy, seed_hierarchy},
-    {"pca", ".pca", take_pca, seed_pca}};
+    {"obj", ".obj", take_soup, seed_soup},
+    {"ply", ".ply", take_soup, seed_soup},
+    {"stl", ".stl", take_soup, seed_soup},
+    {"off", ".off", take_soup, seed_soup},
+    {"gltf", ".gltf", take_soup, seed_soup},
+    {"glb", ".glb", take_soup, seed_soup},
+    {"points", ".ply", take_points, seed_soup},
+    {"pmesh", ".pmesh", take_pmesh, seed_pmesh},
+    {"shell", ".shell", take_shell, seed_shell},
+    {"png", ".png", take_png, seed_image},
+    {"exr", ".exr", take_exr, seed_image},
+    {"hierarchy", ".json", take_hierarchy, seed_hierarchy},
+    {"pca", ".pca", take_pca, seed_pca},
+    {"appearance", ".appearance", take_appearance, seed_appearance},
+    {"reflectance", ".reflectance", take_reflectance, seed_reflectance},
+    {"reflectance-table", ".table", take_reflectance_table, seed_reflectance_table},
+    {"scattering-table", ".table", take_scattering_table, seed_scattering_table}};
 
 const Reader* g_reader = nullptr;
 fs::path g_file;
@@ -192,8 +155,11 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   const fs::path place = fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
   const fs::path folder = place / ("recede-fuzz-" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  const bool is_hierarchy = g_reader->take == take_hierarchy;
-  g_file = folder / (is_hierarchy ? "hierarchy.json" : std::string("a") + g_reader->extension);
+  if (g_reader->take == take_hierarchy) {
+    g_file = write_small_hierarchy(folder) / "hierarchy.json";
+  } else {
+    g_file = folder / (std::string("a") + g_reader->extension);
+  }
   return 0;
 }
 
