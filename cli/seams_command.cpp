@@ -63,7 +63,7 @@ Json levels_to_json(const SeamModel& model, double diagonal) {
     front.adapt(share * diagonal);
     std::size_t points = 0, splits = 0;
     for (std::size_t split = 0; split < model.hierarchy.n_splits(); ++split)
-      splits += front.is_applied(split) ? 1 : 0;
+      if (front.is_applied(split)) ++splits;
     points = model.graph.positions.size() - model.hierarchy.n_splits() + splits;
     levels.push_back(
         {{"relative_error", share}, {"patches", front.n_patches_left()}, {"sewing_points", points}});

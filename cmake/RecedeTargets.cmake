@@ -1,6 +1,6 @@
-# Warnings are errors in our own code.
+# Warnings are errors in our own code. clang++, which builds for the sanitizers, counts signs among conversions.
 add_library(recede_warnings INTERFACE)
-target_compile_options(recede_warnings INTERFACE -Wall -Wextra -Wshadow -Wconversion -Werror
+target_compile_options(recede_warnings INTERFACE -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion -Werror
   # g++ 12 takes inlined Eigen vectors for uninitialised; the sanitizer build looks for the real thing.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 

@@ -204,7 +204,8 @@ class ControlMeshBuilder {
 
   void cut_polygons() {
     PolygonSoup& soup = mesh_.soup;
-    for (std::size_t f = 0; f < soup.n_faces(); ++f) mesh_.triangulated += soup.face_size(f) > 3 ? 1 : 0;
+    for (std::size_t f = 0; f < soup.n_faces(); ++f)
+      if (soup.face_size(f) > 3) ++mesh_.triangulated;
     if (mesh_.triangulated == 0) return;
     std::vector<Index> faces, corners;
     std::vector<Index> vertices = triangulate(soup, &faces, &corners);

@@ -397,7 +397,8 @@ class PatchRefiner {
 
   void count_inverted() {
     extend_normals();
-    for (const auto& triangle : result_.triangles) result_.inverted += is_inverted(triangle) ? 1 : 0;
+    for (const auto& triangle : result_.triangles)
+      if (is_inverted(triangle)) ++result_.inverted;
   }
 
   struct Waiting {

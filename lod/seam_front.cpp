@@ -159,7 +159,8 @@ bool SeamFront::has_vanished(std::size_t patch) const { return impl_->has_vanish
 
 std::size_t SeamFront::n_patches_left() const {
   std::size_t n = 0;
-  for (std::size_t patch = 0; patch < impl_->n_patches(); ++patch) n += impl_->has_vanished(patch) ? 0 : 1;
+  for (std::size_t patch = 0; patch < impl_->n_patches(); ++patch)
+    if (!impl_->has_vanished(patch)) ++n;
   return n;
 }
 

@@ -37,7 +37,8 @@ double area_of(const PolygonSoup& model) {
 bool is_of_sheets(const PolygonMesh& mesh) {
   constexpr double k_share = 0.1;
   std::size_t n_borders = 0;
-  for (const auto edge : mesh.edges()) n_borders += mesh.is_boundary(edge) ? 1 : 0;
+  for (const auto edge : mesh.edges())
+    if (mesh.is_boundary(edge)) ++n_borders;
   return static_cast<double>(n_borders) > k_share * static_cast<double>(mesh.n_edges());
 }
 
@@ -84,7 +85,8 @@ class FarPictures {
       pictures_.push_back(render(model, cameras_.back(), options_));
     }
     for (const Image& picture : pictures_) {
-      for (const Rgb& pixel : picture.pixels) n_pixels_ += pixel != options_.background ? 1 : 0;
+      for (const Rgb& pixel : picture.pixels)
+        if (pixel != options_.background) ++n_pixels_;
     }
   }
 

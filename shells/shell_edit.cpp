@@ -27,8 +27,9 @@ std::size_t count_changed(const BrickGrid<std::uint8_t>& before, const BrickGrid
   for (std::size_t brick = 0; brick < before.n_bricks(); ++brick) {
     const std::optional<std::uint8_t> old_value = before.uniform_value(brick);
     if (old_value && old_value == after.uniform_value(brick)) continue;
-    for_each_texel(before.box(brick),
-                   [&](int i, int j, int k) { changed += before.at(i, j, k) != after.at(i, j, k) ? 1 : 0; });
+    for_each_texel(before.box(brick), [&](int i, int j, int k) {
+      if (before.at(i, j, k) != after.at(i, j, k)) ++changed;
+    });
   }
   return changed;
 }

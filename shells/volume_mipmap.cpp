@@ -140,7 +140,9 @@ double volume_of(const VolumeTexture& texture) {
     if (const std::optional<std::uint8_t> value = texture.opacity.uniform_value(brick))
       inside += *value >= 128 ? box.n_texels() : 0;
     else
-      for_each_texel(box, [&](int i, int j, int k) { inside += texture.opacity.at(i, j, k) >= 128 ? 1 : 0; });
+      for_each_texel(box, [&](int i, int j, int k) {
+        if (texture.opacity.at(i, j, k) >= 128) ++inside;
+      });
   }
   return static_cast<double>(inside) / static_cast<double>(texture.n_texels());
 }

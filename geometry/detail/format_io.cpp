@@ -63,7 +63,8 @@ std::size_t count_isolated_vertices(const PolygonSoup& soup) {
 
 std::size_t count_polygons(const PolygonSoup& soup) {
   std::size_t polygons = 0;
-  for (std::size_t face = 0; face < soup.n_faces(); ++face) polygons += soup.face_size(face) > 3 ? 1 : 0;
+  for (std::size_t face = 0; face < soup.n_faces(); ++face)
+    if (soup.face_size(face) > 3) ++polygons;
   return polygons;
 }
 

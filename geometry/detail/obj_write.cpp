@@ -79,7 +79,7 @@ std::vector<Material> with_distinct_names(std::vector<Material> materials, std::
     if (name.empty()) name = "material";
     const std::string stem = name;
     for (int k = 2; !taken.insert(name).second; ++k) name = fmt::format("{}_{}", stem, k);
-    renamed += name != material.name ? 1 : 0;
+    if (name != material.name) ++renamed;
     material.name = name;
     std::replace_if(
         material.base_color_texture.begin(), material.base_color_texture.end(),

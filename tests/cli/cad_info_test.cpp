@@ -55,7 +55,7 @@ TEST(CadInfo, HasTheBoxOfThePartItself) {
     const nlohmann::json info = json_of(run_recede({"info", folder / file, "--json"}));
     const nlohmann::json &least = info["box"]["min"], &most = info["box"]["max"];
     // A grid of eighths has the quarters of a circle.
-    for (const int axis : {0, 1}) {
+    for (const unsigned axis : {0u, 1u}) {
       EXPECT_NEAR(least[axis].get<double>(), -radius, 1e-9) << file;
       EXPECT_NEAR(most[axis].get<double>(), radius, 1e-9) << file;
     }

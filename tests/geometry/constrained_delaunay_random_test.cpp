@@ -114,7 +114,7 @@ TEST(ConstrainedDelaunayRandom, InsideIsWhatLoopsWindRound) {
         const int number = winding_number(a + b + c, points, edges);
         ASSERT_EQ(mesh.is_inside(t), rule == InsideRule::even_odd ? number % 2 != 0 : number != 0)
             << round << " triangle " << t << " number " << number;
-        seen += mesh.is_inside(t) ? 1 : 0;
+        if (mesh.is_inside(t)) ++seen;
       }
     }
   }

@@ -294,8 +294,8 @@ TEST(ConstrainedDelaunay, PointsAFewUnitsOffALineMakeTriangles) {
   std::size_t n_border = 0, n_pieces = 0;
   for (const DelaunayTriangle& triangle : mesh.triangles()) {
     for (int k = 0; k < 3; ++k) {
-      n_border += triangle.neighbour(k) == k_no_index ? 1 : 0;
-      n_pieces += triangle.is_constrained(k) ? 1 : 0;
+      if (triangle.neighbour(k) == k_no_index) ++n_border;
+      if (triangle.is_constrained(k)) ++n_pieces;
     }
   }
   EXPECT_EQ(mesh.triangles().size(), 2 * (points.size() - 1) - n_border);

@@ -17,7 +17,8 @@ using test::with_level;
 
 std::size_t n_coarse(const LevelInterpolation& interpolation) {
   std::size_t n = 0;
-  for (std::size_t k = 0; k < interpolation.n_points(); ++k) n += interpolation.is_coarse(k) ? 1 : 0;
+  for (std::size_t k = 0; k < interpolation.n_points(); ++k)
+    if (interpolation.is_coarse(k)) ++n;
   return n;
 }
 

@@ -26,7 +26,8 @@ TEST(PlanePredicates, AreThoseOfWholeNumbersAtEveryScale) {
     }
     const int turn = test::whole_orientation(p[0], p[1], p[2]);
     const int side = test::whole_side_of_circle(p[0], p[1], p[2], p[3]);
-    zeros += (turn == 0) + (side == 0);
+    if (turn == 0) ++zeros;
+    if (side == 0) ++zeros;
     // Products are too small or too large for doubles at the outer ones; the last but one is where small
     // coordinates have fewer places than large ones.
     for (const int exponent : {0, -60, 200, 900, -270, -1040, -1074}) {

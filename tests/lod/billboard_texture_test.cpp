@@ -117,7 +117,7 @@ TEST(BillboardTextures, ShowNeighboursBesideTheirOwnFaces) {
     std::size_t n = 0;
     for (int y = 0; y < textures.places[0].height; ++y) {
       for (int x = 0; x < textures.places[0].width; ++x)
-        n += opacity_of(textures, texel_at(textures, 0, x, y)) >= 0.5 ? 1 : 0;
+        if (opacity_of(textures, texel_at(textures, 0, x, y)) >= 0.5) ++n;
     }
     return n;
   };

@@ -170,7 +170,8 @@ TEST(SeamGraph, KeepsPolesAsOnePoint) {
   const SeamGraph graph = graph_of({whole(test::ball(1))});
   EXPECT_TRUE(open_sides(graph).empty());
   std::size_t poles = 0;
-  for (const Vec3& point : graph.positions) poles += std::abs(point.z()) > 1 - 1e-12 ? 1 : 0;
+  for (const Vec3& point : graph.positions)
+    if (std::abs(point.z()) > 1 - 1e-12) ++poles;
   EXPECT_EQ(poles, 2u);
   EXPECT_EQ(graph.report.edges_by_position, 1u);
 }
@@ -195,7 +196,7 @@ TEST(SeamGraph, GetsFinerLoopsWhereCoarseOnesWouldCross) {
       const std::vector<Vec2> uvs = detail::sample_edge({&use, 1}, tolerance, 2)[0].uvs;
       points.insert(points.end(), uvs.begin(), uvs.end() - 1);
     }
-    n_crossed += is_simple(points) ? 0 : 1;
+    if (!is_simple(points)) ++n_crossed;
     SeamGraphOptions options;
     options.tolerance = tolerance;
     const SeamGraph graph = build_seam_graph(std::span(&crescent, 1), surfaces, options);

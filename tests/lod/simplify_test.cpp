@@ -347,7 +347,8 @@ TEST(Simplify, FeatureEdgesStay) {
   EXPECT_LE(result.faces_after, 12u);
   EXPECT_LT(*measure_distance(mesh, result.mesh, {.bound_tolerance = 0.1}).max_bound, 1e-9);
   std::size_t features = 0;
-  for (const auto e : result.mesh.edges()) features += result.mesh.is_feature_edge(e) ? 1 : 0;
+  for (const auto e : result.mesh.edges())
+    if (result.mesh.is_feature_edge(e)) ++features;
   EXPECT_GE(features, 12u);
 }
 

@@ -396,7 +396,7 @@ TEST(DisplacedMesh, TheDissertationsRecursionFindsTheSameSurface) {
           }
           return false;
         };
-        far += near(1.5e-4) ? 0 : 1;
+        if (!near(1.5e-4)) ++far;
       }
       // Along the twelve seams of the cube the recursion has two heights, and one of them is ours.
       EXPECT_LT(static_cast<double>(far), 0.12 * static_cast<double>(small.positions.size())) << level;

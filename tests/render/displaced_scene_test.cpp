@@ -126,7 +126,7 @@ TEST(DisplacedScene, SmallTrianglesThatFaceTheLightDoNotShadowThemselves) {
         const detail::SurfacePoint point = detail::surface_point(scene.data(), hit, ray.direction);
         if (point.geometric_normal.dot(toward) <= 0) continue;
         ++lit;
-        shadowed += detail::occluded(scene.data(), point.ray_towards(toward)) ? 1 : 0;
+        if (detail::occluded(scene.data(), point.ray_towards(toward))) ++shadowed;
       }
       EXPECT_GT(lit, k_sanitized ? 100u : 5000u);
       EXPECT_EQ(shadowed, 0u) << "level " << level << " offset " << offset;

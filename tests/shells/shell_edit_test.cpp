@@ -154,7 +154,7 @@ TEST(ShellEdit, CombinesAsTexelByTexel) {
           value = operation == VolumeOperation::unite       ? std::max(value, opacity)
                   : operation == VolumeOperation::intersect ? std::min(value, opacity)
                                                             : std::min(value, std::uint8_t(255 - opacity));
-          changed += value != before[texture.texel(i, j, k)] ? 1 : 0;
+          if (value != before[texture.texel(i, j, k)]) ++changed;
         }
       }
     }
@@ -216,7 +216,7 @@ TEST(ShellEdit, CutsExactlyTheRegion) {
         const bool is_there = grid.column(i, j).triangle != k_no_index;
         if (is_there && is_cut(texture.middle(i, j, k), grid.point(i, j, k))) {
           EXPECT_EQ(texture.opacity.at(i, j, k), 0);
-          changed += before.opacity.at(i, j, k) > 0 ? 1 : 0;
+          if (before.opacity.at(i, j, k) > 0) ++changed;
         } else {
           EXPECT_EQ(texture.opacity.at(i, j, k), before.opacity.at(i, j, k));
         }

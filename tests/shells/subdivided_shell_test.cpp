@@ -202,7 +202,7 @@ TEST_P(MovedControlPoints, ChangeDirectorsWithinReachOnly) {
     for (const auto of : {&Shell::exterior, &Shell::interior}) {
       const Vec3& top = (updated.shell.*of)->tops[v];
       EXPECT_LT((top - (anew.shell.*of)->tops[v]).norm(), 1e-6 * 0.15);
-      n_same += top == (old.shell.*of)->tops[v] ? 1 : 0;
+      if (top == (old.shell.*of)->tops[v]) ++n_same;
     }
   }
   EXPECT_GT(n_same, 0u);

@@ -134,7 +134,7 @@ inline void expect_fills_hull(const ConstrainedDelaunay& mesh) {
     area += twice_area(a, b, c);
     for (int k = 0; k < 3; ++k) {
       used.insert(mesh.triangles()[t].vertex(k));
-      n_border += mesh.triangles()[t].neighbour(k) == k_no_index ? 1 : 0;
+      if (mesh.triangles()[t].neighbour(k) == k_no_index) ++n_border;
     }
   }
   EXPECT_EQ(area, twice_hull_area({mesh.points().begin(), mesh.points().end()}));
