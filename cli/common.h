@@ -130,6 +130,7 @@ void print_json(const Json& document);
 void add_atlas_command(CLI::App& app);
 void add_billboards_command(CLI::App& app);
 void add_bake_command(CLI::App& app);
+void add_batch_command(CLI::App& app);
 void add_simplify_command(CLI::App& app);
 void add_carve_command(CLI::App& app);
 void add_compare_command(CLI::App& app);

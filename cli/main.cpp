@@ -103,6 +103,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("`recede COMMAND --help` explains a command and shows an example.");
   recede::cli::add_bake_command(app);
+  recede::cli::add_batch_command(app);
   recede::cli::add_simplify_command(app);
   recede::cli::add_compare_command(app);
   recede::cli::add_diff_command(app);

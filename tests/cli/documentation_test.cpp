@@ -83,7 +83,7 @@ TEST(Documentation, NamesExactlyTheOptionsThatTheCommandHas) {
   constexpr const char* k_option = "(--[a-z][-a-z]+)";
   std::set<std::string> options{"--version"};
   for (const char* command :
-       {"atlas", "bake", "billboards", "carve", "simplify", "compare", "diff", "info", "progressive",
+       {"atlas", "bake", "batch", "billboards", "carve", "simplify", "compare", "diff", "info", "progressive",
         "extract", "render", "turntable", "dice", "subdivide", "seams", "shell", "walk"}) {
     options.merge(matches(run_recede({command, "--help"}).output, k_option));
   }
@@ -135,6 +135,9 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
             "--json"}}) {
     collect_fields(json_of(run_recede(arguments)), fields);
   }
+  const std::string list = folder.write("list.txt", sphere + "\n");
+  collect_fields(json_of(run_recede({"batch", list, "-o", out + "_batch", "--json", "--", "--no-report"})),
+                 fields);
   const std::string page = read_whole_file(k_source / "docs/command-line.md");
   for (const std::string& field : fields) {
     EXPECT_NE(page.find("`" + field + "`"), page.npos) << field << " isn't explained";

@@ -88,14 +88,37 @@ class Terminal {
 
 }  // namespace
 
-CommandResult run_recede(const std::vector<std::string>& arguments) {
+namespace {
+
+/// `meanwhile` gets the process.
+template <typename Meanwhile>
+CommandResult run_into_files(const std::vector<std::string>& arguments, Meanwhile&& meanwhile) {
   const TempFolder folder;
   const Streams streams{folder / "output", folder / "error"};
   CommandResult run;
-  run.code = wait_for(start(arguments, streams));
+  const pid_t process = start(arguments, streams);
+  meanwhile(process);
+  run.code = wait_for(process);
   run.output = read_whole_file(streams.output);
   run.remarks = read_whole_file(streams.error);
   return run;
+}
+
+}  // namespace
+
+CommandResult run_recede(const std::vector<std::string>& arguments) {
+  return run_into_files(arguments, [](pid_t) {});
+}
+
+CommandResult run_recede_and_kill(const std::vector<std::string>& arguments,
+                                  const std::function<bool()>& is_time) {
+  return run_into_files(arguments, [&](pid_t process) {
+    siginfo_t ended{};
+    // It stays there to be waited for.
+    while (ended.si_pid == 0 && !is_time())
+      waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    kill(process, SIGKILL);
+  });
 }
 
 CommandResult run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited) {
@@ -137,6 +160,15 @@ std::vector<std::string> names_below(const fs::path& folder) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::size_t n_names_below(const fs::path& folder) {
+  std::error_code is_gone;
+  std::size_t n = 0;
+  for (fs::recursive_directory_iterator at(folder, is_gone), end; !is_gone && at != end;
+       at.increment(is_gone))
+    ++n;
+  return n;
 }
 
 bool has_gltf_validator() { return fs::exists(fs::path(RECEDE_NODE_MODULES) / "gltf-validator"); }

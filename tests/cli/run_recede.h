@@ -26,6 +26,11 @@ CommandResult run_recede(const std::vector<std::string>& arguments);
 /// `awaited` has appeared there; never when that is empty.
 CommandResult run_recede_on_terminal(const std::vector<std::string>& arguments, const std::string& awaited);
 
+/// Runs `recede` and ends it by SIGKILL as soon as `is_time`, which is asked all the while; the exit code
+/// tells whether it had ended before.
+CommandResult run_recede_and_kill(const std::vector<std::string>& arguments,
+                                  const std::function<bool()>& is_time);
+
 /// Expects success and returns the one JSON document on standard output; null when there is none.
 nlohmann::json json_of(const CommandResult& run);
 
@@ -34,6 +39,9 @@ std::string complaint_of(const CommandResult& run, int code);
 
 /// Names of everything below a folder, relative to it, sorted; empty when there is no such folder.
 std::vector<std::string> names_below(const std::filesystem::path& folder);
+
+/// How many they are, also while they change.
+std::size_t n_names_below(const std::filesystem::path& folder);
 
 /// Runs Khronos' validator. True when it finds no error; prints what it finds.
 bool is_valid_gltf(const std::filesystem::path& file);

@@ -13,9 +13,9 @@ using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
-                         testing::Values("atlas", "bake", "billboards", "carve", "simplify", "compare",
-                                         "diff", "info", "progressive", "extract", "render", "turntable",
-                                         "dice", "subdivide", "seams", "shell", "walk"),
+                         testing::Values("atlas", "bake", "batch", "billboards", "carve", "simplify",
+                                         "compare", "diff", "info", "progressive", "extract", "render",
+                                         "turntable", "dice", "subdivide", "seams", "shell", "walk"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
