@@ -122,7 +122,7 @@ std::string first_hits_line(const BenchOptions& options) {
         detail::RayContext context = detail::make_ray_context();
         rtcIntersect1(mesh.data().scene, &context.embree, &ours);
         rtcIntersect1(reference.scene, &context.embree, &theirs);
-        count += is_same(ours, context.small[0], theirs, numbers) ? 0 : 1;
+        if (!is_same(ours, context.small[0], theirs, numbers)) ++count;
       }
       return count;
     });
@@ -154,7 +154,7 @@ std::string self_shadows_line(const BenchOptions& options) {
       const detail::SurfacePoint point = detail::surface_point(scene.data(), hit, ray.direction);
       if (point.geometric_normal.dot(toward) <= 0) continue;
       ++lit;
-      count += detail::occluded(scene.data(), point.ray_towards(toward)) ? 1 : 0;
+      if (detail::occluded(scene.data(), point.ray_towards(toward))) ++count;
     }
     return count;
   });
