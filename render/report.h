@@ -13,7 +13,7 @@ struct ReportOptions {
   Vec3 up = Vec3::UnitY();
   /// By level: patches that are left of a CAD model; empty: it isn't one.
   std::vector<std::size_t> patches{};
-  /// Levels of more triangles are left out of the viewer, whose data takes some 5 bytes for each; 0: no
+  /// Levels of more triangles are left out of the viewer, whose data takes some 6 bytes for each; 0: no
   /// viewer.
   std::size_t viewer_triangles = 200'000;
 };
