@@ -30,6 +30,7 @@ struct BakeOptions {
   std::optional<double> map_seam_weight;
   SeamGraphOptions seams;          // of CAD files
   std::vector<std::string> given;  // options by name, without those that choose levels
+  std::size_t viewer_triangles = ReportOptions{}.viewer_triangles;
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
 
@@ -176,9 +177,19 @@ std::optional<MapOptions> map_options(const BakeOptions& options) {
 }
 
 // What has a meaning for CAD files; the last two for nothing else.
-constexpr std::array<std::string_view, 12> k_options_of_cad{
-    "input",  "--output", "--image-height", "--field-of-view", "--pixel-error", "--up",
-    "--json", "--quiet",  "--threads",      "--no-report",     "--gap",         "--no-connectivity"};
+constexpr std::array<std::string_view, 13> k_options_of_cad{"input",
+                                                            "--output",
+                                                            "--image-height",
+                                                            "--field-of-view",
+                                                            "--pixel-error",
+                                                            "--up",
+                                                            "--json",
+                                                            "--quiet",
+                                                            "--threads",
+                                                            "--no-report",
+                                                            "--viewer-triangles",
+                                                            "--gap",
+                                                            "--no-connectivity"};
 
 void run_for_cad(const BakeOptions& options) {
   if (!options.hierarchy.ratios.empty())
@@ -188,8 +199,8 @@ void run_for_cad(const BakeOptions& options) {
     if (std::find(k_options_of_cad.begin(), k_options_of_cad.end(), name) == k_options_of_cad.end())
       throw OptionError(name + " is for meshes, not for CAD files");
   }
-  CadBakeOptions cad{options.common,   options.input, options.output, options.up, {}, {}, {},
-                     options.no_report};
+  CadBakeOptions cad{options.common,    options.input,           options.output, options.up, {}, {}, {},
+                     options.no_report, options.viewer_triangles};
   cad.hierarchy.errors = options.hierarchy.errors;
   cad.hierarchy.view = options.hierarchy.view;
   cad.hierarchy.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
@@ -233,8 +244,10 @@ void run(BakeOptions options) {
   if (options.appearance) appearances = write_appearances(hierarchy, files.folder, &progress);
   std::optional<ReportFiles> report;
   if (!options.no_report) {
-    report = write_report(options.output, hierarchy, files, {.up = up_direction(options.up, options.input)},
-                          &progress);
+    report = write_report(
+        options.output, hierarchy, files,
+        {.up = up_direction(options.up, options.input), .viewer_triangles = options.viewer_triangles},
+        &progress);
   }
   progress.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -331,6 +344,10 @@ void add_bake_command(CLI::App& app) {
   command->add_flag("--no-billboards", options->no_billboards,
                     "no billboards as last levels, even where they look better than triangles");
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
+  command
+      ->add_option("--viewer-triangles", options->viewer_triangles,
+                   "levels of more triangles are left out of the report's viewer (200000); 0: no viewer")
+      ->check(not_negative());
   add_common_options(*command, options->common);
   command->callback([options, command] {
     for (const CLI::Option* option : command->get_options()) {

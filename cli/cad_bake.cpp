@@ -107,7 +107,8 @@ void bake_cad(CadBakeOptions options) {
   const HierarchyFiles files = write_hierarchy(options.output, cad.hierarchy);
   std::optional<ReportFiles> report;
   if (!options.no_report) {
-    ReportOptions report_options{.up = up_direction(options.up, options.input)};
+    ReportOptions report_options{.up = up_direction(options.up, options.input),
+                                 .viewer_triangles = options.viewer_triangles};
     for (const CadLevelReport& level : cad.levels) report_options.patches.push_back(level.patches);
     report = write_report(options.output, cad.hierarchy, files, report_options, &progress);
   }

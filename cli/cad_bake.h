@@ -12,6 +12,7 @@ struct CadBakeOptions {
   CadHierarchyOptions hierarchy;
   std::vector<double> relative_errors, distances;
   bool no_report = false;
+  std::size_t viewer_triangles = 0;
 };
 
 /// Adds `--gap` and `--no-connectivity`.

@@ -67,6 +67,13 @@ GNU General Public License, version 3 or later, and may be passed on under that 
 /usr/share/common-licenses/GPL-3.
 ")
 endif()
+if(RECEDE_VIEWER)
+  file(READ ${RECEDE_VIEWER_MODULES}/node_modules/three/LICENSE license_of_three)
+  string(APPEND license "
+This build contains three.js, for the viewer in reports:
+
+${license_of_three}")
+endif()
 file(WRITE ${PROJECT_BINARY_DIR}/copyright "${license}")
 foreach(component ${CPACK_COMPONENTS_ALL})
   string(TOUPPER ${component} upper)

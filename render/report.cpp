@@ -168,7 +168,9 @@ ReportFiles write_report(const std::filesystem::path& folder, const LodHierarchy
                          const HierarchyFiles& files, const ReportOptions& options, Progress* progress) {
   const auto start = std::chrono::steady_clock::now();
   check(hierarchy, files, options);
-  detail::ReportContent content{hierarchy, files, options, 0, draw_levels(hierarchy, options.up, progress)};
+  detail::ReportContent content{hierarchy, files, options, 0, draw_levels(hierarchy, options.up, progress),
+                                {}};
+  content.viewer = detail::pack_levels(hierarchy, options.viewer_triangles, progress);
   content.diagonal = content.levels[0].summary.box.diagonal().norm();
   ReportFiles written{.html = folder / "report.html", .json = folder / "report.json"};
   write_file_atomically(written.html, detail::report_html(content));

@@ -13,6 +13,9 @@ struct ReportOptions {
   Vec3 up = Vec3::UnitY();
   /// By level: patches that are left of a CAD model; empty: it isn't one.
   std::vector<std::size_t> patches{};
+  /// Levels of more triangles are left out of the viewer, whose data takes some 6 bytes for each; 0: no
+  /// viewer.
+  std::size_t viewer_triangles = 200'000;
 };
 
 /// Files that were written.
@@ -40,7 +43,9 @@ struct ReportFiles {
 ///     maps: null without any, else size (texels a side), max and rms (of the displaced level; null without
 ///       a displacement map), seam_difference, texels, missed, search_distance, atlas_reason, seconds
 ///       (see displacement_bake.h);
-///     patches: null but for CAD models.
+///     patches: null but for CAD models;
+///     viewer: null for levels that the page's viewer doesn't show, else triangles, and largest_distance of a
+///       vertex to level 0.
 /// Numbers that aren't finite are null.
 ///
 /// Throws `OptionError` when `files` doesn't fit the hierarchy's levels or `up` is zero, `InputError` when a

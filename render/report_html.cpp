@@ -1,6 +1,5 @@
 #include <recede/render/detail/markup.h>
 #include <recede/render/detail/report_content.h>
-#include <recede/render/svg_plot.h>
 
 #include <fmt/format.h>
 
@@ -38,13 +37,31 @@ td small { display: block; color: var(--faint); font-size: 12px; }
 td.text, th.text { text-align: left; }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 420px), 1fr)); gap: 14px; }
 .plot, .level { border: 1px solid var(--line); border-radius: 8px; background: var(--raised); padding: 14px; }
-.plots svg { display: block; width: 100%; }
+.plots svg { display: block; width: 100%; overflow: visible; }
+.plots .tip rect { fill: var(--page); stroke: var(--faint); }
+.plots .tip circle { fill: none; stroke: currentColor; stroke-width: 2; }
+.plots .tip { pointer-events: none; }
+.spoken { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; }
 .slider { position: sticky; top: 0; z-index: 1; display: flex; flex-wrap: wrap; align-items: center; gap: 6px 14px;
   margin: 0 0 14px; padding: 10px 14px; border: 1px solid var(--line); border-radius: 8px; background: var(--raised); }
 .slider input[type=range] { flex: 1 1 240px; accent-color: #2f6fb3; }
 .slider output { flex: 0 1 auto; min-width: 24ch; font-variant-numeric: tabular-nums; }
+.viewer { border: 1px solid var(--line); border-radius: 8px; background: var(--raised); padding: 14px; }
+.controls { display: grid; grid-template-columns: max-content minmax(80px, 1fr) minmax(0, 36ch); gap: 8px 14px;
+  align-items: center; font-variant-numeric: tabular-nums; }
+.controls input, .choices input { accent-color: #2f6fb3; }
+.choices { display: flex; flex-wrap: wrap; gap: 8px 18px; align-items: center; margin: 10px 0 12px; }
+.viewer button { font: inherit; color: inherit; background: none; border: 1px solid var(--faint); border-radius: 6px;
+  padding: 2px 10px; cursor: pointer; }
+.viewer :focus-visible, .plot :focus-visible { outline: 2px solid #2f7fd6; outline-offset: 2px; }
+.canvas { position: relative; aspect-ratio: 16 / 9; max-height: 75vh; border-radius: 4px; }
+.canvas canvas { display: block; width: 100%; height: 100%; border-radius: 4px; touch-action: none; cursor: grab; }
+.canvas.beside::after { content: ""; position: absolute; inset: 0 auto 0 50%; border-left: 1px solid #666d77; }
+.below-canvas { display: grid; grid-template-columns: 1fr 1fr; margin: 6px 0 0; text-align: center; font-size: 12.5px; }
+#viewer-legend { max-width: 480px; margin: 10px 0; font-size: 12.5px; }
+#viewer-help { margin: 8px 0 0; font-size: 12.5px; }
 @media screen { [hidden] { display: none !important; } }
-@media print { .slider { display: none; } }
+@media print { .slider, .viewer { display: none; } }
 .level { display: grid; grid-template-columns: minmax(220px, 1fr) minmax(0, 868px); gap: 18px; margin: 0 0 14px;
   scroll-margin-top: 64px; }
 .level dl { display: grid; margin-top: 10px; font-variant-numeric: tabular-nums; }
@@ -64,6 +81,14 @@ figcaption { font-size: 12.5px; line-height: 1.35; margin-top: 5px; contain: inl
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 5px 16px; margin: 0; font-size: 14px; }
 dt { font-weight: 600; }
 dd { margin: 0; max-width: 80ch; }
+@media (max-width: 560px) {
+  .controls { grid-template-columns: max-content minmax(0, 1fr); }
+  .controls output { grid-column: 1 / -1; }
+  .canvas { aspect-ratio: 1; }
+  .canvas.beside { aspect-ratio: 1 / 2; max-height: none; }
+  .canvas.beside::after { inset: 50% 0 auto; border-top: 1px solid #666d77; border-left: none; }
+  .below-canvas { grid-template-columns: 1fr; text-align: left; }
+}
 @media (max-width: 760px) { .level { grid-template-columns: minmax(0, 1fr); } }
 @media (max-width: 560px) { dl { display: block; } dd { margin-bottom: 8px; } body { padding: 16px 12px 40px; } }
 )";
@@ -137,39 +162,6 @@ std::string summary_table(const ReportContent& content) {
   return table + "</tbody>\n</table></div>\n";
 }
 
-std::string error_plot(const ReportContent& content) {
-  PlotSeries bound{"certified bound", {}}, max{"maximum", {}}, rms{"RMS", {}}, displaced{"RMS with maps", {}};
-  for (std::size_t i = 1; i < content.levels.size(); ++i) {
-    const double faces = static_cast<double>(content.levels[i].summary.faces);
-    const LevelError& error = content.hierarchy.levels[i].error;
-    if (!content.hierarchy.levels[i].billboards) bound.points.emplace_back(faces, error.bound);
-    max.points.emplace_back(faces, error.max);
-    rms.points.emplace_back(faces, error.rms);
-    if (const auto& accuracy = content.hierarchy.levels[i].map_accuracy) {
-      displaced.points.emplace_back(faces, accuracy->rms);
-    }
-  }
-  std::vector<PlotSeries> series{bound, max, rms};
-  if (!displaced.points.empty()) series.push_back(displaced);
-  return svg_plot({.title = "Error against size",
-                   .x = {"faces", true},
-                   .y = {"error (object units)", true},
-                   .series = series});
-}
-
-std::string seconds_plot(const ReportContent& content) {
-  PlotSeries simplify{"simplify, from the start of the run", {}}, measure{"measure", {}};
-  for (std::size_t i = 1; i < content.levels.size(); ++i) {
-    const double faces = static_cast<double>(content.levels[i].summary.faces);
-    simplify.points.emplace_back(faces, content.hierarchy.levels[i].simplify_seconds);
-    measure.points.emplace_back(faces, content.hierarchy.levels[i].measure_seconds);
-  }
-  return svg_plot({.title = "Time against size",
-                   .x = {"faces", true},
-                   .y = {"seconds", false},
-                   .series = {simplify, measure}});
-}
-
 std::string header(const ReportContent& content) {
   const LodHierarchy& hierarchy = content.hierarchy;
   const MeshSummary& input = content.levels[0].summary;
@@ -208,6 +200,10 @@ looks at its center; the picture is cut to the sphere. Light grey surfaces have 
 picture may differ where the shape is within its bound.</dd>
 )";
 
+constexpr std::string_view k_how_to_read_viewer =
+    R"(<dt>Viewer</dt><dd>Draws with three.js, MIT licence, © 2010-2026 three.js authors; the licence is in the page's script.</dd>
+)";
+
 constexpr std::string_view k_how_to_read_maps =
     R"(<dt>With maps</dt><dd>Error of the level when the displacement map moves its points, in object units; dark places of that map lie
 deep, light ones high.</dd>
@@ -227,12 +223,9 @@ std::string report_html(const ReportContent& content) {
   html += header(content);
   html += "<h2>Levels</h2>\n" + summary_table(content);
   html += "<p class=\"below\"><a href=\"#reading\">How to read this</a></p>\n";
-  if (content.levels.size() > 1) {
-    html += "<div class=\"plots\">\n<div class=\"plot\">" + error_plot(content) +
-            "</div>\n<div class=\"plot\">" + seconds_plot(content) + "</div>\n</div>\n";
-  }
-  html += level_sections(content);
+  html += plots(content) + viewer_section(content) + level_sections(content);
   html += k_how_to_read;
+  if (has_viewer(content)) html += k_how_to_read_viewer;
   if (has_maps(content)) html += k_how_to_read_maps;
   html += "</dl>\n";
   return html + "</body>\n</html>\n";

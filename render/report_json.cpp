@@ -45,6 +45,11 @@ Json map_fields(const ReportContent& content, std::size_t index) {
           {"seconds", report.seconds}};
 }
 
+Json viewer_fields(const ViewerLevel& level) {
+  if (level.data.empty()) return nullptr;
+  return {{"triangles", level.triangles}, {"largest_distance", level.largest_distance}};
+}
+
 Json level_fields(const ReportContent& content, std::size_t index) {
   const LodLevel& level = content.hierarchy.levels[index];
   const LevelContent& drawn = content.levels[index];
@@ -63,7 +68,8 @@ Json level_fields(const ReportContent& content, std::size_t index) {
           {"stop_reason", level.stop_reason},
           {"image_difference", drawn.at_switch ? difference_fields(*drawn.at_switch) : Json()},
           {"maps", map_fields(content, index)},
-          {"patches", content.options.patches.empty() ? Json() : Json(content.options.patches[index])}};
+          {"patches", content.options.patches.empty() ? Json() : Json(content.options.patches[index])},
+          {"viewer", viewer_fields(content.viewer.levels[index])}};
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include <recede/geometry/error.h>
-#include <recede/geometry/shading_normals.h>
 #include <recede/lod/detail/embree_device.h>
 #include <recede/lod/displaced_base.h>
 #include <recede/render/detail/billboard_look.h>
 #include <recede/render/detail/displaced_look.h>
 #include <recede/render/detail/ground_disc.h>
 #include <recede/render/detail/scene_data.h>
+#include <recede/render/detail/surface_look.h>
 #include <recede/render/detail/volume_look.h>
 #include <recede/render/scene.h>
 
@@ -21,7 +21,9 @@ namespace recede {
 namespace {
 
 using detail::DisplacedLook;
+using detail::drawn_normals;
 using detail::embree_device;
+using detail::face_color;
 using detail::MeshData;
 using detail::SceneData;
 using detail::SurfaceShape;
@@ -88,32 +90,6 @@ bool is_polygon_side(const PolygonSoup& soup, Index face, Index from, Index to) 
   const Index first = soup.face_offsets[face], last = soup.face_offsets[face + 1] - 1;
   const auto follows = [&](Index a, Index b) { return b == (a == last ? first : a + 1); };
   return follows(from, to) || follows(to, from);
-}
-
-// Light grey for faces without a material, as `Material` has it; white under vertex colours, which then say
-// it all.
-Rgb face_color(const PolygonSoup& soup, Index face) {
-  const Index material = soup.face_materials.empty() ? k_no_index : soup.face_materials[face];
-  if (material == k_no_index) {
-    return soup.vertex_colors.empty() ? Rgb(Material{}.base_color.head<3>().cast<float>()) : Rgb(Rgb::Ones());
-  }
-  return soup.materials[material].base_color.head<3>().cast<float>();
-}
-
-/// For each corner, its own normal or the computed one, unit, on the front of its face: shading turns normals
-/// by the side that is seen.
-std::vector<Vec3> drawn_normals(const PolygonSoup& soup, double crease_angle) {
-  std::vector<Vec3> normals = shading_normals(soup, crease_angle);
-  tbb::parallel_for(std::size_t{0}, soup.n_faces(), [&](std::size_t face) {
-    const Vec3 area = vector_area(soup, static_cast<Index>(face));
-    for (Index c = soup.face_offsets[face]; c < soup.face_offsets[face + 1]; ++c) {
-      if (!soup.corner_normals.empty() && !soup.corner_normals[c].isZero(0))
-        normals[c] = soup.corner_normals[c];
-      if (normals[c].dot(area) < 0) normals[c] = -normals[c];
-      normals[c] = normals[c].stableNormalized();
-    }
-  });
-  return normals;
 }
 
 void copy_triangles(const PolygonSoup& soup, double scale, double crease_angle, MeshData& mesh) {

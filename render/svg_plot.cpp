@@ -179,6 +179,13 @@ std::string draw_axes(const Plot& plot, const Scale& x, const Scale& y, int want
   return svg;
 }
 
+// Whole numbers as they are, counts above all.
+std::string value_text(double value) {
+  if (value >= 0 && value < 1e12 && value == std::floor(value))
+    return grouped(static_cast<std::size_t>(value));
+  return short_number(value);
+}
+
 std::string draw_series(const Plot& plot, std::size_t index, const Scale& x, const Scale& y) {
   const std::string_view color = k_colors[index % k_colors.size()];
   std::string path, markers;
@@ -186,7 +193,10 @@ std::string draw_series(const Plot& plot, std::size_t index, const Scale& x, con
     if (!can_show(plot, point)) continue;
     const double at_x = x.place(point.x()), at_y = y.place(point.y());
     path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", at_x, at_y);
-    markers += marker(index, at_x, at_y, color) + "\n";
+    const std::string values = fmt::format("{}: {} {}, {} {}", plot.series[index].name, plot.x.label,
+                                           value_text(point.x()), plot.y.label, value_text(point.y()));
+    markers += fmt::format("<g class=\"point\"><title>{}</title>{}</g>\n", escape_markup(values),
+                           marker(index, at_x, at_y, color));
   }
   if (!plot.series[index].line || path.empty()) return markers;
   return fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n{}", path, color,

@@ -29,9 +29,10 @@ struct Plot {
 };
 
 /// An `<svg>` element. Text and axes take the surrounding page's text colour (black in a file of its own),
-/// the ground is transparent, and it scales to the width that it is given. Points that aren't finite, or not
-/// positive on a logarithmic axis, are left out; a plot without points says so. Throws `OptionError` below
-/// 200 x 150 units.
+/// the ground is transparent, and it scales to the width that it is given. Each point is a group of class
+/// `point` whose title, which browsers show at the pointer, says its series and values. Points that aren't
+/// finite, or not positive on a logarithmic axis, are left out; a plot without points says so. Throws
+/// `OptionError` below 200 x 150 units.
 std::string svg_plot(const Plot& plot);
 
 }  // namespace recede

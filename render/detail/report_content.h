@@ -42,12 +42,26 @@ struct LevelContent {
   std::optional<MapContent> maps;
 };
 
+/// A level as the viewer takes it.
+struct ViewerLevel {
+  std::size_t triangles = 0, vertices = 0;
+  double largest_distance = 0;  ///< of a vertex to the input, object units
+  std::string data;             ///< see `pack`; empty: the viewer doesn't show this level
+  std::string left_out;         ///< why it doesn't
+};
+
+struct ViewerContent {
+  Box3 box;  ///< of all levels that are shown
+  std::vector<ViewerLevel> levels;
+};
+
 struct ReportContent {
   const LodHierarchy& hierarchy;
   const HierarchyFiles& files;
   const ReportOptions& options;
   double diagonal = 0;  ///< of level 0's box
   std::vector<LevelContent> levels;
+  ViewerContent viewer;
 };
 
 /// Difference that heat maps show in their lightest colour, the same for all levels so that they can be
@@ -57,8 +71,20 @@ inline constexpr double k_heat_map_scale = 0.25;
 /// Maps are shown no larger: normal maps hardly compress, and the report is one file.
 inline constexpr int k_map_side = 256;
 
+/// Levels of at most `limit` triangles, and none where the library has no viewer.
+ViewerContent pack_levels(const LodHierarchy& hierarchy, std::size_t limit, Progress* progress);
+
+/// Whether the viewer shows any level.
+bool has_viewer(const ReportContent& content);
+
+/// The levels in three dimensions, or a line that says why they can't be seen.
+std::string viewer_section(const ReportContent& content);
+
 /// Whether any level has maps.
 bool has_maps(const ReportContent& content);
+
+/// Errors and seconds against faces; empty for a single level.
+std::string plots(const ReportContent& content);
 
 /// The slider over the levels, and a section for each with its figures and pictures.
 std::string level_sections(const ReportContent& content);

@@ -2,6 +2,8 @@
 #include "shapes.h"
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
+#include <recede/render/detail/report_content.h>
+#include <recede/render/detail/viewer_program.h>
 #include <recede/render/report.h>
 
 #include <fmt/format.h>
@@ -74,7 +76,7 @@ TEST_F(Report, HasARowAndASectionForEachLevelAndNoReferenceOutside) {
   EXPECT_THAT(html, HasSubstr("<h1>ball &lt;&amp; co&gt;</h1>"));
   EXPECT_EQ(find_markup_error(html, {"meta", "img", "br", "input"}), "");
   for (const char* reference :
-       {"src=\"http", "href=\"http", "url(", "@import", "<script ", "<link", "src=\"//"}) {
+       {"src=\"http", "href=\"http", "url(", "@import", "<script src", "<link", "src=\"//"}) {
     EXPECT_THAT(html, Not(HasSubstr(reference)));
   }
 }
@@ -202,13 +204,68 @@ TEST_F(Report, AnIdenticalLevelShowsNoDifference) {
   EXPECT_EQ(json["levels"][1]["image_difference"]["max"], 0);
 }
 
+// The data of the page's viewer; null: it has none.
+nlohmann::json viewer_data(const std::string& html) {
+  const std::string before = "id=\"viewer-data\">";
+  const std::size_t at = html.find(before);
+  if (at == html.npos) return nullptr;
+  const std::size_t from = at + before.size();
+  return nlohmann::json::parse(html.substr(from, html.find("</script>", from) - from));
+}
+
+TEST_F(Report, SaysWhyLevelsAreNotInTheViewer) {
+  if (detail::viewer_program().empty()) GTEST_SKIP() << "built without the viewer";
+  LodHierarchy hierarchy = sphere_levels("ball");
+  hierarchy.levels.pop_back();
+  // 64 around and 32 down: triangles at both poles, and 30 rows of quads between.
+  const ReportFiles written =
+      write_report(folder_, hierarchy, files_of(hierarchy), {.viewer_triangles = 64 * 62});
+  const std::string html = read_whole_file(written.html);
+  EXPECT_EQ(find_markup_error(html, {"meta", "img", "br", "input"}), "");
+  EXPECT_THAT(html,
+              HasSubstr("Not in the viewer: level 0 (16\u202f128 triangles, more than 3\u202f968).</p>"));
+  const nlohmann::json data = viewer_data(html),
+                       levels = nlohmann::json::parse(read_whole_file(written.json))["levels"];
+  const std::vector<int> triangles{0, 64 * 62, 32 * 30};
+  ASSERT_EQ(data["levels"].size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(data["levels"][i].value("triangles", 0), triangles[i]) << i;
+    EXPECT_EQ(data["levels"][i].contains("data"), triangles[i] > 0) << i;
+    EXPECT_EQ(data["levels"][i]["switch_distance"], hierarchy.levels[i].switch_distance) << i;
+    if (triangles[i] == 0) {
+      EXPECT_TRUE(levels[i]["viewer"].is_null()) << i;
+      continue;
+    }
+    EXPECT_EQ(levels[i]["viewer"]["triangles"], triangles[i]) << i;
+    EXPECT_EQ(levels[i]["viewer"]["largest_distance"], data["levels"][i]["largest_distance"]) << i;
+  }
+}
+
+TEST_F(Report, BillboardsAreNotInTheViewer) {
+  if (detail::viewer_program().empty()) GTEST_SKIP() << "built without the viewer";
+  LodHierarchy hierarchy = sphere_levels("ball");
+  hierarchy.levels[3].billboards.emplace();
+  const auto levels = detail::pack_levels(hierarchy, 200'000, nullptr).levels;
+  EXPECT_EQ(levels[2].left_out, "");
+  EXPECT_EQ(levels[3].left_out, "billboards, and the viewer shows triangles only");
+  EXPECT_EQ(levels[3].data, "");
+}
+
+TEST_F(Report, WithoutTrianglesThereIsNoViewer) {
+  const LodHierarchy hierarchy = sphere_levels("ball");
+  const std::string html =
+      read_whole_file(write_report(folder_, hierarchy, files_of(hierarchy), {.viewer_triangles = 0}).html);
+  EXPECT_TRUE(viewer_data(html).is_null());
+  EXPECT_THAT(html, Not(HasSubstr("<canvas")));
+}
+
 TEST_F(Report, AHierarchyOfTheInputAloneHasAReport) {
   LodHierarchy hierarchy = sphere_levels("ball");
   hierarchy.levels.resize(1);
   const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy));
   const std::string html = read_whole_file(written.html);
   EXPECT_THAT(html, HasSubstr("alt=\"Level 0 from near\""));
-  EXPECT_THAT(html, Not(HasSubstr("type=\"range\"")));
+  EXPECT_THAT(html, Not(HasSubstr("id=\"slider\"")));
 }
 
 TEST_F(Report, FilesThatDoNotFitTheLevelsAreRefusedAndNothingIsWritten) {

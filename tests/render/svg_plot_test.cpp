@@ -38,6 +38,12 @@ TEST(SvgPlot, IsWellFormedAndEscapesItsText) {
   EXPECT_THAT(svg, HasSubstr("error (m)"));
 }
 
+TEST(SvgPlot, EachPointSaysItsValues) {
+  const std::string svg = svg_plot(log_plot());
+  EXPECT_EQ(count(svg, "<g class=\"point\"><title>"), 4u);
+  EXPECT_THAT(svg, HasSubstr("<title>a&lt;b: faces 10\u202f000, error (m) 1.00×10⁻⁵</title>"));
+}
+
 TEST(SvgPlot, LogarithmicAxesLabelPowersOfTen) {
   const std::string svg = svg_plot(log_plot());
   for (const char* label : {">100<", ">1000<", ">0.001<", ">10⁻⁴<", ">10⁻⁵<"})
