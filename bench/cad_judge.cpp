@@ -265,7 +265,7 @@ std::size_t count_open_edges(const CadBodyMesh& mesh, double diagonal) {
   for (std::size_t i = 0; i < sides.size();) {
     const auto first = sides.begin() + static_cast<std::ptrdiff_t>(i);
     const auto end = std::upper_bound(first, sides.end(), *first);
-    open += end - first == 1 ? 1 : 0;
+    if (end - first == 1) ++open;
     i = static_cast<std::size_t>(end - sides.begin());
   }
   return open;

@@ -125,7 +125,7 @@ void intersect_bilinear_patches(benchmark::State& state, bool aimed) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       for (std::size_t k = 0; k < patches_of_a_ray; ++k, ++tested) {
         const auto hit = rays[i].nearest_hit(patches[(i + k) % patches.size()]);
-        hits += hit.has_value() ? 1 : 0;
+        if (hit.has_value()) ++hits;
       }
     }
     benchmark::DoNotOptimize(hits);
@@ -174,7 +174,7 @@ void trace_height_field(benchmark::State& state, bool camera) {
   for (auto _ : state) {
     hits = 0;
     for (const auto& [origin, direction] : rays)
-      hits += field.first_hit(origin, direction).has_value() ? 1 : 0;
+      if (field.first_hit(origin, direction).has_value()) ++hits;
   }
   state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(rays.size());
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rays.size()));

@@ -67,6 +67,7 @@ or + and - to zoom; 0 resets. True size: the pixels that the view of the switch 
 // Why a level isn't in the viewer; empty: it is.
 std::string left_out_because(const LodLevel& level, std::size_t triangles, std::size_t limit) {
   if (level.billboards) return "billboards, and the viewer shows triangles only";
+  if (triangles == 0) return "no triangles";
   if (triangles > limit) return fmt::format("{} triangles, more than {}", grouped(triangles), grouped(limit));
   return "";
 }
