@@ -316,7 +316,7 @@ void bind_results(py::module_& m) {
       .def_property_readonly("error_lower", [](const Simplified& s) { return s.report.error_lower; })
       .def_property_readonly("error_estimate", [](const Simplified& s) { return s.report.error_estimate; })
       .def_property_readonly("stop_reason",
-                             [](const Simplified& s) { return std::string(to_string(s.report.reason)); })
+                             [](const Simplified& s) { return std::string(to_string(s.report.stop_reason)); })
       .def_property_readonly("refused", [](const Simplified& s) { return refused_counts(s.report); })
       .def_property_readonly("seconds", [](const Simplified& s) { return s.report.seconds; })
       .def_property_readonly("proof_seconds", [](const Simplified& s) { return s.report.proof_seconds; });
