@@ -38,8 +38,8 @@ System make(const std::string& name, const std::string& label, CostPolicy cost) 
 }  // namespace
 
 std::string why_it_stopped_early(const SimplifyReport& report) {
-  if (report.reason != StopReason::no_collapse_left) return {};
-  std::string text(to_string(report.reason));
+  if (report.stop_reason != StopReason::no_collapse_left) return {};
+  std::string text(to_string(report.stop_reason));
   const auto& refused = report.refused.counts;
   const auto most = std::max_element(refused.begin(), refused.end());
   if (*most == 0) return text;

@@ -156,7 +156,8 @@ void print_text(const LodHierarchy& hierarchy, const std::vector<FarLevelTrial>&
         "Bounds are certified, but not those of billboards: the larger of the greatest distance found "
         "and the cloud's error.\n");
   print_maps(hierarchy);
-  for (const FarLevelTrial& trial : trials) fmt::print("from {:<9.4g} {}\n", trial.distance, trial.reason);
+  if (!trials.empty()) fmt::print("far away\nfrom distance   what serves there\n");
+  for (const FarLevelTrial& trial : trials) fmt::print("{:13.4g}   {}\n", trial.distance, trial.reason);
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
   if (report) fmt::print("report     {}\n", report->html.string());
   fmt::print("seconds    {:.3g}\n", seconds);
@@ -192,9 +193,9 @@ constexpr std::array<std::string_view, 13> k_options_of_cad{"input",
                                                             "--no-connectivity"};
 
 void run_for_cad(const BakeOptions& options) {
-  if (!options.hierarchy.ratios.empty())
+  if (!options.hierarchy.ratios.empty() || !options.hierarchy.faces.empty())
     throw OptionError(
-        "--ratios are of the input's faces; levels of CAD files have --errors or --relative-errors");
+        "--faces and --ratios are of meshes; levels of CAD files have --errors or --relative-errors");
   for (const std::string& name : options.given) {
     if (std::find(k_options_of_cad.begin(), k_options_of_cad.end(), name) == k_options_of_cad.end())
       throw OptionError(name + " is for meshes, not for CAD files");
@@ -229,8 +230,8 @@ void run(BakeOptions options) {
   mark_features(model.read.mesh, options.feature_angle);
   const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
   for (const double share : options.relative_errors) hierarchy_options.errors.push_back(share * diagonal);
-  if (hierarchy_options.ratios.empty() && hierarchy_options.errors.empty() &&
-      hierarchy_options.distances.empty()) {
+  if (hierarchy_options.faces.empty() && hierarchy_options.ratios.empty() &&
+      hierarchy_options.errors.empty() && hierarchy_options.distances.empty()) {
     hierarchy_options.ratios = k_default_ratios;
   }
   LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
@@ -289,14 +290,17 @@ void add_bake_command(CLI::App& app) {
                    "mesh or CAD file (.obj .ply .stl .off .gltf .glb .step .stp .iges .igs .brep .brp), or a "
                    "built-in model: teapot, sphere, tree")
       ->required();
-  command->add_option("-o,--output", options->output, "folder to write to")->required();
+  command->add_option("-o,--output", options->output, "folder to write to")
+      ->option_text("FOLDER")
+      ->required();
   HierarchyOptions& hierarchy = options->hierarchy;
   const auto levels =
       "Levels (one of; default: --ratios 0.5 0.25 0.1 0.03 0.01; of CAD files: --relative-errors 0.0003 "
       "0.001 0.003 "
       "0.01 0.03)";
   CLI::Option_group* choice = command->add_option_group(levels);
-  choice->add_option("--ratios", hierarchy.ratios, "shares of the input's faces, decreasing");
+  choice->add_option("--faces", hierarchy.faces, "at most so many faces, decreasing");
+  choice->add_option("--ratios", hierarchy.ratios, "the same as shares of the input's faces");
   choice->add_option("--errors", hierarchy.errors, "certified error bounds, increasing, object units");
   choice->add_option("--relative-errors", options->relative_errors,
                      "the same as shares of the diagonal (0.01 = 1 %)");
@@ -312,8 +316,8 @@ void add_bake_command(CLI::App& app) {
   const auto maps = "Maps (from level 0 onto every other level)";
   command->add_option("--maps", options->maps, "normal, displacement and color, those that are wanted")
       ->delimiter(',')
-      ->check(CLI::IsMember({"normal", "displacement", "color"}))
-      ->option_text("NAME,...")
+      ->transform(one_of_names({"normal", "displacement", "color"}))
+      ->option_text("NAME ...")
       ->group(maps);
   command->add_option("--map-size", options->map_size, "texels along each side (1024)")
       ->check(between(4, 16384))
@@ -321,7 +325,8 @@ void add_bake_command(CLI::App& app) {
   command
       ->add_option("--map-format", options->map_format,
                    "png (default), or exr: heights and normals also as floats, beside the PNG files")
-      ->check(CLI::IsMember({"png", "exr"}))
+      ->transform(one_of_names({"png", "exr"}))
+      ->option_text("png|exr")
       ->group(maps);
   command
       ->add_option(
@@ -334,6 +339,7 @@ void add_bake_command(CLI::App& app) {
       ->add_option("--map-normal-bits", options->map_normal_bits,
                    "bits of a sample of normal maps: 8 (default) or 16")
       ->check(CLI::IsMember({8, 16}))
+      ->option_text("8|16")
       ->group(maps);
   command
       ->add_flag("--appearance", options->appearance,

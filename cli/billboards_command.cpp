@@ -132,7 +132,13 @@ LodHierarchy textured(const PolygonSoup& model, const std::vector<BillboardCloud
                              options.view, progress);
 }
 
-Json textures_to_json(const LodLevel& level, const MapFiles& files) {
+// From which on its error isn't seen: the finest level of a hierarchy serves from everywhere, but as nothing
+// finer is there.
+double distance_of(const LodLevel& level, const ViewSettings& view) {
+  return std::max(level.switch_distance, switch_distance(level.error.bound, view));
+}
+
+Json textures_to_json(const LodLevel& level, const MapFiles& files, const ViewSettings& view) {
   const BillboardTextures& textures = *level.billboards;
   return {{"color", files.color.string()},
           {"normal", files.normal.string()},
@@ -142,7 +148,7 @@ Json textures_to_json(const LodLevel& level, const MapFiles& files) {
           {"covered", textures.covered},
           {"packed", textures.packed},
           {"error", {{"max", level.error.max}, {"rms", level.error.rms}, {"bound", level.error.bound}}},
-          {"switch_distance", level.switch_distance}};
+          {"switch_distance", distance_of(level, view)}};
 }
 
 // Of a cloud: what became a file.
@@ -226,7 +232,7 @@ void print_text(const Made& made, double seconds) {
       const BillboardTextures& textures = *level.billboards;
       fmt::print("{:<12} {:5} x {:<5} {:9} {:7.1f} % {:11.4g} {:11.4g} {:15.5g}\n", i, textures.color.width,
                  textures.color.height, textures.bytes(), 100 * textures.covered, level.error.max,
-                 level.error.rms, level.switch_distance);
+                 level.error.rms, distance_of(level, made.hierarchy->view));
     }
   }
   for (std::size_t i = 0; i < made.reflectances.size(); ++i) {
@@ -255,7 +261,7 @@ void print_document(const Made& made, const BillboardsOptions& options, double s
                     {"reflectance", nullptr}});
     if (!options.folder.empty())
       list.back()["textures"] =
-          textures_to_json(made.hierarchy->levels[i], made.hierarchy_files.map_files[i]);
+          textures_to_json(made.hierarchy->levels[i], made.hierarchy_files.map_files[i], options.view);
     if (options.reflectance) list.back()["reflectance"] = reflectance_to_json(made.reflectances[i]);
   }
   print_json({{"command", "billboards"},
@@ -297,9 +303,11 @@ void add_billboards_command(CLI::App& app) {
   command->add_option(
       "-o,--output", options->output,
       "writes the rectangles in colours, one mesh for each error, numbered where there are several");
-  command->add_option(
-      "--folder", options->folder,
-      "writes the rectangles with textures, as levels of a hierarchy: a GLB file and its pictures");
+  command
+      ->add_option(
+          "--folder", options->folder,
+          "writes the rectangles with textures, as levels of a hierarchy: a GLB file and its pictures")
+      ->option_text("FOLDER");
   const auto group = "Billboards";
   command
       ->add_option(
@@ -359,7 +367,8 @@ void add_billboards_command(CLI::App& app) {
       ->add_option(
           "--budget", options->budget,
           "bytes of textures: the cloud of least error that fits, instead of --errors; such as 256kb")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->option_text("BYTES")
       ->group(textures)
       ->excludes(absolute)
       ->excludes(relative);

@@ -93,9 +93,9 @@ void print_cad_json(const std::string& input, const CadModel& model, const CadSu
     degrees.push_back({{"u", pair[0]}, {"v", pair[1]}, {"patches", patches}});
   }
   for (const Material& material : model.materials) materials.push_back(material.name);
-  const Vec3 low = summary.box.min(), high = summary.box.max();
   print_json({{"command", "info"},
               {"input", input},
+              {"kind", "cad"},
               {"metres_per_unit", model.metres_per_unit},
               {"parts", parts_to_json(model)},
               {"instances", model.instances.size()},
@@ -107,7 +107,7 @@ void print_cad_json(const std::string& input, const CadModel& model, const CadSu
               {"edges", summary.edges},
               {"open_edges", summary.open_edges},
               {"closed_parts", summary.closed_parts},
-              {"box", {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}}},
+              {"box", box_to_json(summary.box)},
               {"diagonal", summary.diagonal},
               {"materials", materials},
               {"left_out", left_out_to_json(model)},

@@ -49,7 +49,7 @@ Tool read_tool(const CarveCommandOptions& options, Progress* progress) {
 }
 
 void check(const CarveCommandOptions& options) {
-  if (!is_textured_shell(options.output)) throw OptionError("--output (-o) must end in .shell");
+  check_output_file(options.output, {".shell"});
   const int n_tools = (options.tool.empty() ? 0 : 1) + (options.ball ? 1 : 0) + (options.from ? 1 : 0);
   if (n_tools != 1) throw OptionError("one of a TOOL, --ball and --move says what to do");
   if (options.from.has_value() != options.to.has_value() || (options.from && options.radius == 0))

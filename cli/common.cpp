@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -42,6 +43,24 @@ CLI::Validator number_check(std::function<bool(double)> right, const std::string
 
 }  // namespace
 
+bool is_same_name(const std::string& a, const std::string& b) {
+  const auto plain = [](char letter) { return letter == '_' ? '-' : letter; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [&](char x, char y) { return plain(x) == plain(y); });
+}
+
+CLI::Validator one_of_names(std::vector<std::string> names) {
+  const auto replace = [names](std::string& text) -> std::string {
+    for (const std::string& name : names) {
+      if (!is_same_name(text, name)) continue;
+      text = name;
+      return "";
+    }
+    return fmt::format("{} isn't one of {}", text, fmt::join(names, ", "));
+  };
+  return {replace, "NAME"};
+}
+
 CLI::Validator above_zero() {
   return number_check([](double value) { return value > 0; }, "above 0");
 }
@@ -66,9 +85,10 @@ void check_output_folder(const std::string& folder) {
     throw InputError::in_file(folder, std::error_code(errno, std::generic_category()).message());
 }
 
-void check_output_file(const std::string& file, const std::string& extension) {
-  if (detail::lower_case_extension(file) != extension)
-    throw OptionError(fmt::format("--output: {} should end in {}", file, extension));
+void check_output_file(const std::string& file, const std::vector<std::string>& extensions) {
+  const std::string extension = detail::lower_case_extension(file);
+  if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
+    throw OptionError(fmt::format("--output: {} should end in {}", file, fmt::join(extensions, ", ")));
   detail::check_place(file);
 }
 
@@ -110,7 +130,8 @@ CLI::Option* add_view_options(CLI::App& command, ViewOptions& view, const std::s
 
 void add_up_option(CLI::App& command, std::string& up, const std::string& group) {
   command.add_option("--up", up, "axis that points up in the pictures: x, y (default) or z")
-      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->transform(one_of_names({"x", "y", "z"}))
+      ->option_text("x|y|z")
       ->group(group);
 }
 
@@ -283,6 +304,12 @@ Json error_to_json(double max, double rms, std::optional<double> bound, double d
           {"max_relative", share(max)},
           {"rms_relative", share(rms)},
           {"bound_relative", bound ? share(*bound) : Json(nullptr)}};
+}
+
+Json box_to_json(const Box3& box) {
+  if (box.isEmpty()) return nullptr;
+  const Vec3 low = box.min(), high = box.max();
+  return {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}};
 }
 
 std::string length_text(double length, double diagonal) {

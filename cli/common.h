@@ -41,6 +41,9 @@ void require_faces(const Model& model, const std::string& input);
 inline constexpr const char* k_input_help =
     "mesh file (.obj .ply .stl .off .gltf .glb), or a built-in model: teapot, sphere, tree";
 
+/// Whether two names of a choice are the same; hyphens and underscores are alike.
+bool is_same_name(const std::string& a, const std::string& b);
+
 /// Turns a name into its number. CLI11's own transformers also take the numbers, and list them when they
 /// complain.
 template <typename Value>
@@ -48,7 +51,7 @@ CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
   const auto replace = [names](std::string& text) -> std::string {
     std::string known;
     for (const auto& [name, value] : names) {
-      if (text == name) {
+      if (is_same_name(text, name)) {
         text = std::to_string(static_cast<int>(value));
         return "";
       }
@@ -58,16 +61,18 @@ CLI::Validator one_of(std::vector<std::pair<std::string, Value>> names) {
   };
   return {replace, "NAME"};
 }
+/// The name as it stands here.
+CLI::Validator one_of_names(std::vector<std::string> names);
 
 // Numbers out of range are refused in words: CLI11's own validators print their limits with all digits.
 CLI::Validator above_zero();
 CLI::Validator not_negative();
 CLI::Validator between(double least, double most);
 
-// Before any work: whether a folder, or a file with that extension, can be written there. Throw `InputError`,
-// `check_output_file` also `OptionError` for another extension.
+// Before any work: whether a folder, or a file with one of these extensions, can be written there. Throw
+// `InputError`, `check_output_file` also `OptionError` for another extension.
 void check_output_folder(const std::string& folder);
-void check_output_file(const std::string& file, const std::string& extension);
+void check_output_file(const std::string& file, const std::vector<std::string>& extensions);
 
 /// What the file holds, with nothing repaired; a built-in model else.
 PolygonSoup read_unrepaired(const std::string& input, Progress* progress);
@@ -119,6 +124,9 @@ Json repairs_to_json(const RepairReport& report);
 Json refused_to_json(const RefusedCollapses& refused);
 /// Fields `max`, `rms`, `bound` (null: not computed) and their shares of the diagonal.
 Json error_to_json(double max, double rms, std::optional<double> bound, double diagonal);
+
+/// Corners `min` and `max`; null without points.
+Json box_to_json(const Box3& box);
 
 /// A length with its share of the diagonal: `0.00123 (0.042 %)`.
 std::string length_text(double length, double diagonal);

@@ -1,6 +1,7 @@
 #include "common.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/lod/hierarchy_folder.h>
 #include <recede/lod/lod_hierarchy.h>
 
 #include <fmt/format.h>
@@ -32,8 +33,8 @@ struct Base {
 
 bool has_heights(const LodLevel& level) { return level.maps && !level.maps->displacement.samples.empty(); }
 
-Base base_of_hierarchy(const DiceCommandOptions& options, Progress* progress) {
-  const LodHierarchy hierarchy = read_hierarchy(options.input);
+Base base_of_hierarchy(const DiceCommandOptions& options, const fs::path& folder, Progress* progress) {
+  const LodHierarchy hierarchy = read_hierarchy(folder);
   const auto& levels = hierarchy.levels;
   const auto first = std::find_if(levels.begin(), levels.end(), has_heights);
   if (first == levels.end()) {
@@ -59,10 +60,11 @@ Base base_of_mesh(const DiceCommandOptions& options, Progress* progress) {
 }
 
 Base read_base(const DiceCommandOptions& options, Progress* progress) {
-  if (!fs::is_directory(options.input)) return base_of_mesh(options, progress);
+  const fs::path folder = hierarchy_folder(options.input);
+  if (folder.empty()) return base_of_mesh(options, progress);
   if (!options.heights.file.empty())
     throw OptionError("--displacement-map is for meshes; a hierarchy has its own");
-  return base_of_hierarchy(options, progress);
+  return base_of_hierarchy(options, folder, progress);
 }
 
 Json to_json(const DiceCommandOptions& options, const Base& base, const Camera& camera,
@@ -179,8 +181,10 @@ void add_dice_command(CLI::App& app) {
       "Examples:\n  recede dice out/dragon.recede -o seen.ply --eye 0 1 3\n"
       "  recede dice hill.obj -o seen.glb --displacement-map hill.png --displacement-scale 0.2");
   command
-      ->add_option("input", options->input,
-                   "folder NAME.recede of a hierarchy with displacement maps, or a mesh file")
+      ->add_option(
+          "input", options->input,
+          "hierarchy with displacement maps (NAME.recede, or the folder that recede bake wrote), or a "
+          "mesh file")
       ->required();
   command->add_option("-o,--output", options->output, "mesh to write; the extension chooses the format")
       ->required();

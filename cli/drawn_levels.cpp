@@ -1,6 +1,7 @@
 #include "drawn_levels.h"
 
 #include <recede/geometry/error.h>
+#include <recede/lod/hierarchy_folder.h>
 #include <recede/lod/lod_selection.h>
 #include <recede/lod/view_dependent_remesh.h>
 #include <recede/render/image_difference.h>
@@ -70,7 +71,8 @@ fs::path reflectance_file(const fs::path& folder, std::size_t level) {
   return folder / fmt::format("level_{}.reflectance", level);
 }
 
-Drawn::Drawn(const DrawnOptions& options, Progress* progress) : options_(options) {
+Drawn::Drawn(const DrawnOptions& options, Progress* progress)
+    : options_(options), folder_(hierarchy_folder(options.input)) {
   read_input(progress);
   scenes_.resize(hierarchy_.levels.size());
   shells_.resize(hierarchy_.levels.size());
@@ -96,11 +98,11 @@ void Drawn::read_input(Progress* progress) {
     shells_.emplace_back(read_textured_shell(input, {}, progress));
     mesh_ = shells_[0]->shell->base;
     hierarchy_.levels.emplace_back();
-  } else if (fs::is_directory(input)) {
-    hierarchy_ = read_hierarchy(input);
+  } else if (!folder_.empty()) {
+    hierarchy_ = read_hierarchy(folder_);
     shells_.resize(hierarchy_.levels.size());
     for (std::size_t level = 0; level < shells_.size(); ++level) {
-      if (const fs::path file = shell_file(input, level); fs::exists(file))
+      if (const fs::path file = shell_file(folder_, level); fs::exists(file))
         shells_[level] = read_textured_shell(file, {}, progress);
     }
     if (!has_map) return;
@@ -229,7 +231,7 @@ std::shared_ptr<const Appearance> Drawn::appearance_of(std::size_t level, Progre
   std::shared_ptr<const Appearance>& appearance = appearances_[heights_ ? 0 : level];
   if (appearance) return appearance;
   if (heights_) return appearance = make_appearance(base_of_map(0), *heights_, {}, progress);
-  const fs::path file = appearance_file(options_.input, level);
+  const fs::path file = appearance_file(folder_, level);
   return appearance = fs::exists(file) ? read_appearance(file)
                                        : make_appearance(*hierarchy_.levels[level].maps, {}, progress);
 }
@@ -271,7 +273,7 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
 }
 
 Scene Drawn::make_reflecting(std::size_t level) const {
-  const fs::path file = reflectance_file(options_.input, level);
+  const fs::path file = reflectance_file(folder_, level);
   if (!fs::exists(file))
     throw InputError::in_file(file, "isn't there; recede billboards --reflectance writes it");
   PlacedBillboards placed{std::make_shared<const BillboardTextures>(*hierarchy_.levels[level].billboards)};

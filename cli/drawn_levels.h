@@ -79,6 +79,7 @@ class Drawn {
   double error_share(const Vec3& position) const;
 
   const DrawnOptions& options_;
+  std::filesystem::path folder_;  // of the hierarchy; empty of a mesh
   LodHierarchy hierarchy_;
   PolygonSoup finest_;
   std::optional<ClosestPointTree> surface_;

@@ -128,7 +128,10 @@ void extract_view(const ExtractOptions& options, const ProgressiveMesh& mesh) {
 }
 
 void run(const ExtractOptions& options) {
-  check_mesh_path(options.output);
+  if (options.morph.is_given())
+    check_output_file(options.output, {".glb", ".gltf", ".ply"});
+  else
+    check_mesh_path(options.output);
   const ProgressiveMesh mesh = read_pmesh(options.input);
   if (options.camera.eye) return extract_view(options, mesh);
   if (options.morph.is_given()) return extract_morph(options, mesh);
@@ -158,7 +161,9 @@ void add_view(CLI::App& command, ExtractOptions& options, CLI::Option_group* lev
     if (other != eye) other->needs(eye);
   }
   for (CLI::Option_group* others : {level, morph}) {
-    for (CLI::Option* other : others->get_options([](CLI::Option*) { return true; })) eye->excludes(other);
+    for (CLI::Option* other :
+         others->get_options([&](CLI::Option* o) { return o != others->get_help_ptr(); }))
+      eye->excludes(other);
   }
   const auto add = [&](const char* name, auto& value, const char* help) {
     command.add_option(name, value, help)->needs(eye)->group(group);

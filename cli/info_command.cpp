@@ -1,6 +1,9 @@
 #include "cad_info.h"
 #include "common.h"
+#include "level_info.h"
 #include <recede/geometry/cad_import.h>
+#include <recede/lod/hierarchy_folder.h>
+#include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
 
@@ -13,7 +16,6 @@ struct InfoOptions {
 };
 
 Json to_json(const MeshSummary& summary, const PolygonMesh& mesh) {
-  const Vec3 low = summary.box.min(), high = summary.box.max();
   Json materials = Json::array();
   for (const Material& material : mesh.materials) materials.push_back(material.name);
   return {{"vertices", summary.vertices},
@@ -26,8 +28,8 @@ Json to_json(const MeshSummary& summary, const PolygonMesh& mesh) {
           {"border_loops", summary.border_loops},
           {"components", summary.components},
           {"split_vertices", summary.split_vertices},
-          {"box", {{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}}},
-          {"diagonal", summary.box.diagonal().norm()},
+          {"box", box_to_json(summary.box)},
+          {"diagonal", summary.box.isEmpty() ? 0 : summary.box.diagonal().norm()},
           {"area", summary.area},
           {"corner_uvs", mesh.has_corner_uvs()},
           {"corner_normals", mesh.has_corner_normals()},
@@ -72,13 +74,18 @@ void print_text(const MeshSummary& s, const PolygonMesh& mesh) {
 
 void run(const InfoOptions& options) {
   if (is_cad_path(options.input)) return print_cad_info(options.input, options.common);
+  if (const std::filesystem::path folder = hierarchy_folder(options.input); !folder.empty())
+    return print_hierarchy_info(options.input, folder, options.common);
+  if (std::filesystem::path(options.input).extension() == ".pmesh")
+    return print_progressive_info(options.input, options.common);
+  if (is_textured_shell(options.input)) return print_shell_info(options.input, options.common);
   TerminalProgress progress(options.common.quiet);
   const Model model = read_model(options.input, &progress);
   progress.clear();
   print_repairs(model.read.report, options.common);
   const MeshSummary summary = summarize(model.read.mesh);
   if (!options.common.json) return print_text(summary, model.read.mesh);
-  Json document = {{"command", "info"}, {"input", options.input}};
+  Json document = {{"command", "info"}, {"input", options.input}, {"kind", "mesh"}};
   document.update(to_json(summary, model.read.mesh));
   document["repairs"] = repairs_to_json(model.read.report);
   print_json(document);
@@ -89,11 +96,14 @@ void run(const InfoOptions& options) {
 void add_info_command(CLI::App& app) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* command =
-      app.add_subcommand("info", "Says what a mesh or CAD file holds and what reading it had to repair.");
+      app.add_subcommand("info", "Says what a file or hierarchy holds, and what reading it had to repair.");
   command->footer("Example:\n  recede info dragon.ply");
   command
-      ->add_option("input", options->input,
-                   std::string(k_input_help) + ", or a CAD file (.step .stp .iges .igs .brep .brp)")
+      ->add_option(
+          "input", options->input,
+          std::string(k_input_help) +
+              "; a CAD file (.step .stp .iges .igs .brep .brp); a progressive mesh (.pmesh); a textured "
+              "shell (.shell); or a hierarchy (NAME.recede, or the folder that recede bake wrote)")
       ->required();
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

@@ -1,6 +1,7 @@
 // The command `recede`: reads arguments, calls the library, prints. Exit codes: 0 done, 1 failure, 2 wrong
 // usage.
 #include "common.h"
+#include "help_format.h"
 #include <recede/geometry/error.h>
 #include <recede/version.h>
 
@@ -74,14 +75,28 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
                      meant.empty() ? "" : fmt::format(" (did you mean {}?)", meant));
 }
 
-/// Whole numbers: CLI11 takes a minus and counts down from the largest one.
-void refuse_negative_counts(CLI::App& app) {
-  for (CLI::App* command : app.get_subcommands({})) {
-    for (CLI::Option* option : command->get_options()) {
-      if (option->get_type_name().starts_with("UINT"))
-        option->check(recede::cli::not_negative().description(""));
-    }
+/// What holds for the options of all commands, and of their groups.
+void finish_options(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({})) finish_options(*command);
+  for (CLI::Option* option : app.get_options()) {
+    const std::string type = option->get_type_name();
+    // CLI11 takes a minus before whole numbers and counts down from the largest one.
+    if (type.starts_with("UINT")) option->check(recede::cli::not_negative().description(""));
+    // Names may have commas in them, numbers don't.
+    const bool is_list = option->get_expected_max() > 1 || option->get_type_size() > 1;
+    if (is_list && type.find("TEXT") == type.npos) option->delimiter(',');
   }
+}
+
+/// As CLI11 takes them, the last one first. `help COMMAND` is `COMMAND --help`.
+std::vector<std::string> arguments_of(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (!arguments.empty() && arguments.front() == "help") {
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+  }
+  std::reverse(arguments.begin(), arguments.end());
+  return arguments;
 }
 
 /// The number of threads belongs to the process; it must be known before any work starts.
@@ -101,7 +116,10 @@ int main(int argc, char** argv) {
   CLI::App app("Level-of-detail geometry that says how wrong it is.", "recede");
   app.set_version_flag("--version", RECEDE_VERSION);
   app.require_subcommand(1);
-  app.footer("`recede COMMAND --help` explains a command and shows an example.");
+  app.footer("`recede COMMAND --help` or `recede help COMMAND` explains a command and shows an example.");
+  app.formatter(std::make_shared<recede::cli::HelpFormatter>());
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
+  app.get_formatter()->label("Positionals", "Arguments");
   recede::cli::add_bake_command(app);
   recede::cli::add_batch_command(app);
   recede::cli::add_simplify_command(app);
@@ -120,7 +138,8 @@ int main(int argc, char** argv) {
   recede::cli::add_render_command(app);
   recede::cli::add_turntable_command(app);
   recede::cli::add_dice_command(app);
-  refuse_negative_counts(app);
+  finish_options(app);
+  for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
   recede::cli::catch_interrupts();
   std::unique_ptr<tbb::global_control> limit;
   if (const int threads = threads_argument(argc, argv); threads > 0) {
@@ -128,7 +147,7 @@ int main(int argc, char** argv) {
                                                   static_cast<std::size_t>(threads));
   }
   try {
-    app.parse(argc, argv);
+    app.parse(arguments_of(argc, argv));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
     return fail(usage_text(app, error), k_wrong_usage);

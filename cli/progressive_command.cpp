@@ -38,7 +38,7 @@ Json to_json(const ProgressiveCommandOptions& options, const ProgressiveMesh& me
           {"base_error", mesh.level_errors.front()},
           {"errors_are_proved", mesh.errors_are_proved},
           {"diagonal", diagonal},
-          {"stop_reason", to_string(mesh.report.reason)},
+          {"stop_reason", to_string(mesh.report.stop_reason)},
           {"refused", refused_to_json(mesh.report.refused)},
           {"bytes", file.bytes},
           {"base_bytes", file.base_bytes},
@@ -77,7 +77,7 @@ void print_text(const ProgressiveCommandOptions& options, const ProgressiveMesh&
 }
 
 void run(const ProgressiveCommandOptions& options) {
-  check_output_file(options.output, ".pmesh");
+  check_output_file(options.output, {".pmesh"});
   TerminalProgress progress(options.common.quiet);
   const PolygonSoup soup = read_input(options, &progress);
   ProgressiveOptions progressive = options.progressive;

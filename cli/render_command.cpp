@@ -138,7 +138,8 @@ void run_turntable(const RenderCommandOptions& options) {
 void add_picture_options(CLI::App& command, RenderCommandOptions& options) {
   command
       .add_option("input", options.input,
-                  "mesh file, built-in model (teapot, sphere, tree), or a hierarchy's folder NAME.recede")
+                  "mesh file, built-in model (teapot, sphere, tree), .shell file, or a hierarchy: its folder "
+                  "NAME.recede, or the one that recede bake wrote")
       ->required();
   const auto view = "View (default: the whole model from in front)";
   add_view_options(command, options.view, view);
@@ -262,7 +263,9 @@ void add_turntable_command(CLI::App& app) {
       app.add_subcommand("turntable", "Draws a model from all sides, and its levels as it goes away.");
   command->footer("Example:\n  recede turntable out/dragon.recede -o frames/ --until-distance 100");
   add_picture_options(*command, *options);
-  command->add_option("-o,--output", options->output, "folder for frame_0000.png and so on")->required();
+  command->add_option("-o,--output", options->output, "folder for frame_0000.png and so on")
+      ->option_text("FOLDER")
+      ->required();
   const auto motion = "Motion";
   command->add_option("--frames", options->frames, "number of pictures (36)")
       ->check(between(1, 9999))

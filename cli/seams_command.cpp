@@ -96,8 +96,7 @@ void print_text(const PartSeams& seams, double diagonal) {
 
 void run(SeamsOptions options) {
   const auto start = std::chrono::steady_clock::now();
-  if (!options.output.empty() && std::filesystem::path(options.output).extension() != ".obj")
-    throw OptionError(options.output + ": seams are written as lines of an .obj file");
+  if (!options.output.empty()) check_output_file(options.output, {".obj"});
   TerminalProgress progress(options.common.quiet);
   const CadModel model = read_cad(options.input, {}, &progress);
   const double diagonal = cad_diagonal(model);

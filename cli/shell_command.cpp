@@ -27,7 +27,7 @@ struct ShellCommandOptions {
   std::optional<double> crease_angle;  // degrees
   SubdivisionScheme scheme = SubdivisionScheme::catmull_clark;
   int interpolated_levels = 0;
-  bool no_repair = false;
+  bool no_repair = false, keep_invalid = false;
 };
 
 struct Built {
@@ -121,12 +121,15 @@ Built build(ShellCommandOptions& options, Progress* progress) {
   return built;
 }
 
-void print_document(const ShellCommandOptions& options, const Built& built) {
+void print_document(const ShellCommandOptions& options, const Built& built, bool is_written) {
+  const auto written = [&](const std::string& path) {
+    return is_written && !path.empty() ? Json(path) : Json(nullptr);
+  };
   const ShellValidity& of_base = any_layer(*built.shell).validity;
   print_json({{"command", "shell"},
               {"input", options.input},
-              {"output", options.output.empty() ? Json(nullptr) : Json(options.output)},
-              {"folder", options.folder.empty() ? Json(nullptr) : Json(options.folder)},
+              {"output", written(options.output)},
+              {"folder", written(options.folder)},
               {"thickness", options.shell.thickness},
               {"diagonal", built.diagonal},
               {"subdivision_level", options.level ? Json(*options.level) : Json(nullptr)},
@@ -165,26 +168,17 @@ void write_levels(const ShellCommandOptions& options, const TexturedShell& textu
   write_textured_shell(shell_file(files.folder, 0), textured);
 }
 
-void run(ShellCommandOptions options) {
-  check_output(options);
-  if (options.shell.thickness == 0 && !options.relative_thickness)
-    throw OptionError("a shell needs --thickness or --relative-thickness");
-  TerminalProgress progress(options.common.quiet);
-  const Built built = build(options, &progress);
-  if (!options.texture.name.empty()) {
-    const TexturedShell textured =
-        textured_shell(built.shell, options.shell.side, options.texture, &progress);
-    if (!options.folder.empty()) write_levels(options, textured, &progress);
-    if (!options.output.empty()) write_textured_shell(options.output, textured);
-  } else if (!options.output.empty()) {
+void write(const ShellCommandOptions& options, const Built& built, Progress* progress) {
+  if (options.texture.name.empty()) {
     write_soup(options.output, shell_boundary(*built.shell));
+    return;
   }
-  progress.clear();
-  print_repairs(built.repairs, options.common);
-  if (!any_layer(*built.shell).validity.has_valid_base())
-    print_remark(options.input + ": the surface meets itself, so that no shell is valid there",
-                 options.common);
-  if (options.common.json) return print_document(options, built);
+  const TexturedShell textured = textured_shell(built.shell, options.shell.side, options.texture, progress);
+  if (!options.folder.empty()) write_levels(options, textured, progress);
+  if (!options.output.empty()) write_textured_shell(options.output, textured);
+}
+
+void print_text(const ShellCommandOptions& options, const Built& built, bool is_written) {
   fmt::print("thickness    {}\n", length_text(options.shell.thickness, built.diagonal));
   if (options.level)
     fmt::print("directors    {} traced of {} a layer, level {}\n", built.traced,
@@ -195,7 +189,32 @@ void run(ShellCommandOptions options) {
     fmt::print("the layers meet in {} pairs of triangles\n", built.shell->layers_meet.size());
   fmt::print("seconds      {:.3g}\n", built.seconds);
   for (const std::string& written : {options.output, options.folder})
-    if (!written.empty()) fmt::print("written      {}\n", written);
+    if (is_written && !written.empty()) fmt::print("written      {}\n", written);
+}
+
+void run(ShellCommandOptions options) {
+  check_output(options);
+  if (options.shell.thickness == 0 && !options.relative_thickness)
+    throw OptionError("a shell needs --thickness or --relative-thickness");
+  TerminalProgress progress(options.common.quiet);
+  const Built built = build(options, &progress);
+  const bool has_output = !options.output.empty() || !options.folder.empty();
+  const bool is_written = has_output && (built.shell->is_valid() || options.keep_invalid);
+  if (is_written) write(options, built, &progress);
+  progress.clear();
+  print_repairs(built.repairs, options.common);
+  if (!any_layer(*built.shell).validity.has_valid_base())
+    print_remark(options.input + ": the surface meets itself, so that no shell is valid there",
+                 options.common);
+  if (is_written && !built.shell->is_valid())
+    print_remark(options.input + ": what was written isn't valid", options.common);
+  if (options.common.json) {
+    print_document(options, built, is_written);
+  } else {
+    print_text(options, built, is_written);
+  }
+  if (has_output && !is_written)
+    throw Error(options.input + ": the shell isn't valid, so it wasn't written; --keep-invalid writes it");
 }
 
 CLI::Option* add_wrap_option(CLI::App& command, ShellCommandOptions& options) {
@@ -289,11 +308,13 @@ void add_shell_command(CLI::App& app) {
   command->add_flag("!--keep-directors", shell.at_least_normals,
                     "keeps directors that got shorter than plain normals could be all over the surface");
   command->add_flag("--no-repair", options->no_repair, "leaves directors as long as they got, valid or not");
+  command->add_flag("--keep-invalid", options->keep_invalid,
+                    "writes the shell even where it isn't valid, instead of failing");
   add_shell_texture_options(*command, options->texture);
   CLI::Option* folder = command->add_option(
       "--folder", options->folder,
       "writes a hierarchy for recede render: the textured shell, and from afar the surface alone");
-  folder->group("Texture");
+  folder->option_text("FOLDER")->group("Texture");
   command
       ->add_option("--ratios", options->levels.ratios, "shares of its faces on further levels (0.25 0.0625)")
       ->needs(folder)

@@ -30,7 +30,7 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
       "--texture", options.name,
       "fills the layer, for an output that ends in .shell: chain-mail, weave, bark, bubbles, bushes, or "
       "solid or empty for recede carve");
-  texture->check(CLI::IsMember({"chain-mail", "weave", "bark", "bubbles", "bushes", "solid", "empty"}))
+  texture->transform(one_of_names({"chain-mail", "weave", "bark", "bubbles", "bushes", "solid", "empty"}))
       ->group(group);
   command
       .add_option("--periods", options.periods,

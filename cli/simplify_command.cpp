@@ -29,7 +29,7 @@ Json to_json(const SimplifyCommandOptions& options, const SimplifyResult& result
                    {"dropped_parts", result.dropped_parts},
                    {"dropped_faces", result.dropped_faces},
                    {"passes", result.passes},
-                   {"stop_reason", to_string(result.reason)},
+                   {"stop_reason", to_string(result.stop_reason)},
                    {"refused", refused_to_json(result.refused)},
                    {"error_estimate", result.error_estimate}};
   document["error"] = d ? error_to_json(d->max, d->rms, result.error_bound, diagonal) : Json(nullptr);
@@ -44,7 +44,7 @@ Json to_json(const SimplifyCommandOptions& options, const SimplifyResult& result
 
 bool target_missed(const SimplifyCommandOptions& options, const SimplifyResult& result) {
   const SimplifyTarget& t = options.simplify.target;
-  return result.reason == StopReason::no_collapse_left && (t.faces || t.vertices || t.ratio);
+  return result.stop_reason == StopReason::no_collapse_left && (t.faces || t.vertices || t.ratio);
 }
 
 std::string refusal_text(const RefusedCollapses& refused) {
@@ -73,7 +73,7 @@ void print_text(const SimplifyCommandOptions& options, const SimplifyResult& res
     fmt::print("error        {}, estimated while simplifying\n",
                length_text(result.error_estimate, diagonal));
   }
-  fmt::print("stopped      {}\n", to_string(result.reason));
+  fmt::print("stopped      {}\n", to_string(result.stop_reason));
   fmt::print("refused      {}\n", refusal_text(result.refused));
   fmt::print("seconds      {:.3g}", result.seconds);
   if (result.proof_seconds > 0) fmt::print(", and {:.3g} for the proof", result.proof_seconds);
@@ -100,7 +100,7 @@ void run(const SimplifyCommandOptions& options) {
     print_remark(fmt::format("{}: written without {}", options.output, missing), options.common);
   }
   if (target_missed(options, result)) {
-    print_remark(fmt::format("the target was not reached: {}; refused: {}", to_string(result.reason),
+    print_remark(fmt::format("the target was not reached: {}; refused: {}", to_string(result.stop_reason),
                              refusal_text(result.refused)),
                  options.common);
   }
@@ -131,9 +131,9 @@ void add_simplify_command(CLI::App& app) {
   add_target(*command, "--faces", target.faces, "at most this many faces");
   add_target(*command, "--vertices", target.vertices, "at most this many vertices");
   add_target(*command, "--ratio", target.ratio, "at most this share of the faces, 0 to 1");
-  add_target(*command, "--max-error", target.error,
+  add_target(*command, "--error", target.error,
              "two-sided distance to the input that is kept, proved, object units");
-  add_target(*command, "--max-relative-error", target.relative_error,
+  add_target(*command, "--relative-error", target.relative_error,
              "the same as a share of the diagonal (0.01 = 1 %)");
   add_simplify_options(*command, options->simplify, options->feature_angle);
   command->add_flag("--no-measure", options->no_measure,

@@ -119,7 +119,7 @@ void add_subdivide_command(CLI::App& app) {
   const auto options = std::make_shared<SubdivideCommandOptions>();
   CLI::App* command = app.add_subcommand(
       "subdivide", "Refines a control mesh to polygons on its limit surface, with their normals.");
-  command->footer("Example:\n  recede subdivide cage.obj -o smooth.glb --tolerance 0.01");
+  command->footer("Example:\n  recede subdivide cage.obj -o smooth.glb --error 0.01");
   command->add_option("input", options->input, k_input_help)->required();
   command->add_option("-o,--output", options->output, "mesh to write; the extension chooses the format")
       ->required();
@@ -130,7 +130,7 @@ void add_subdivide_command(CLI::App& app) {
   CLI::Option* level = command->add_option("--level", subdivision.level, "refinements, 0 to 10 (2)");
   level->check(between(0, SubdivisionOptions::k_largest_level));
   command
-      ->add_option("--tolerance", subdivision.tolerance,
+      ->add_option("--error", subdivision.tolerance,
                    "the least level whose error estimate is no larger, object units")
       ->excludes(level);
   add_crease_options(*command, *options);

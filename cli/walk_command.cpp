@@ -94,6 +94,7 @@ double median(std::vector<double> values) {
 }
 
 void run(const WalkOptions& options) {
+  if (!options.output.empty()) check_output_file(options.output, {".csv"});
   TerminalProgress progress(options.common.quiet);
   const CadModel model = read_cad(options.input, {}, &progress);
   const double diagonal = cad_diagonal(model);
@@ -161,11 +162,15 @@ void add_walk_command(CLI::App& app) {
   command->add_option("-o,--output", options->output, "writes a line for each frame as .csv");
   const auto group = "Walk";
   command->add_option("--from", options->from, "where it starts, millimetres (8 diagonals away)")
+      ->option_text("X Y Z")
       ->group(group);
-  command->add_option("--to", options->to, "where it ends (a diagonal away)")->group(group);
+  command->add_option("--to", options->to, "where it ends (a diagonal away)")
+      ->option_text("X Y Z")
+      ->group(group);
   command
       ->add_option("--look-at", options->look_at,
                    "what is in the middle of the image (the middle of the model)")
+      ->option_text("X Y Z")
       ->group(group);
   command->add_option("--frames", options->frames, "steps (100)")->check(between(1, 1'000'000))->group(group);
   add_up_option(*command, options->up, group);

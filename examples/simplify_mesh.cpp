@@ -19,8 +19,8 @@ int main(int argc, char** argv) try {
   recede::SimplifyOptions options;
   options.target.ratio = 0.1;
   const recede::SimplifyResult result = recede::simplify(input.mesh, options);
-  std::cout << result.faces_before << " -> " << result.faces_after << " faces, " << to_string(result.reason)
-            << '\n';
+  std::cout << result.faces_before << " -> " << result.faces_after << " faces, "
+            << to_string(result.stop_reason) << '\n';
 
   const recede::MeshDistance distance =
       recede::measure_distance(input.mesh, result.mesh, {.bound_tolerance = 0.05});

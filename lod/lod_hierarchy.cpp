@@ -21,18 +21,20 @@ void require(bool condition, const std::string& text) {
   if (!condition) throw OptionError(text);
 }
 
-template <typename InOrder>
-void check_list(const std::vector<double>& values, const char* name, InOrder in_order, const char* order) {
+template <typename Value, typename InOrder>
+void check_list(const std::vector<Value>& values, const char* name, InOrder in_order, const char* order) {
   for (std::size_t i = 0; i < values.size(); ++i) {
-    require(std::isfinite(values[i]) && values[i] > 0, fmt::format("{} must be positive", name));
+    require(std::isfinite(static_cast<double>(values[i])) && values[i] > 0,
+            fmt::format("{} must be positive", name));
     require(i == 0 || in_order(values[i - 1], values[i]), fmt::format("{} must {}", name, order));
   }
 }
 
 void check(const HierarchyOptions& options) {
-  const int ways =
-      int(!options.ratios.empty()) + int(!options.errors.empty()) + int(!options.distances.empty());
-  require(ways == 1, "levels are chosen by exactly one of ratios, errors and distances");
+  const int ways = int(!options.faces.empty()) + int(!options.ratios.empty()) + int(!options.errors.empty()) +
+                   int(!options.distances.empty());
+  require(ways == 1, "levels are chosen by exactly one of faces, ratios, errors and distances");
+  check_list(options.faces, "faces", std::greater<>(), "decrease");
   check_list(options.ratios, "ratios", std::greater<>(), "decrease");
   check_list(options.errors, "errors", std::less<>(), "increase");
   check_list(options.distances, "distances", std::less<>(), "increase");
@@ -73,8 +75,8 @@ class HierarchyBuilder {
       hierarchy_.radius = std::max(hierarchy_.radius, (p - hierarchy_.center).norm());
     }
     hierarchy_.levels.push_back({.mesh = mesh_});
-    if (!options_.ratios.empty()) {
-      add_levels_by_ratio();
+    if (!options_.faces.empty() || !options_.ratios.empty()) {
+      add_levels_by_size();
     } else {
       add_levels_by_error();
     }
@@ -84,8 +86,9 @@ class HierarchyBuilder {
   }
 
  private:
-  void add_levels_by_ratio() {
+  void add_levels_by_size() {
     std::vector<SimplifyTarget> targets;
+    for (const std::size_t faces : options_.faces) targets.push_back({.faces = faces});
     for (const double ratio : options_.ratios) targets.push_back({.ratio = ratio});
     // What is measured here goes into the report with more than the bound.
     SimplifyOptions options = options_.simplify;
@@ -109,7 +112,7 @@ class HierarchyBuilder {
   LodLevel measured_level(SimplifyResult result, Progress* progress) {
     LodLevel level;
     level.simplify_seconds = result.seconds + result.proof_seconds;
-    level.stop_reason = to_string(result.reason);
+    level.stop_reason = to_string(result.stop_reason);
     const auto start = Clock::now();
     DistanceOptions measure = options_.measure;
     if (result.error_bound) measure.bound_tolerance.reset();  // it is proved already

@@ -6,11 +6,13 @@
 #include <recede/lod/detail/map_surface.h>
 #include <recede/lod/lod_hierarchy.h>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 
 namespace recede {
@@ -307,6 +309,9 @@ class StagedFolder {
 
   /// Replaces an earlier folder of the same name; when that fails, the earlier one stays.
   void commit() {
+    // At no moment without a folder; what was there goes with the stage.
+    if (::renameat2(AT_FDCWD, stage_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
+    // There was none, or the file system can't exchange.
     std::error_code failed;
     const fs::path old = target_.string() + suffix(".old");
     const bool replaces = fs::exists(target_);

@@ -110,7 +110,7 @@ void ProgressiveBuilder::run(Progress* progress) {
   const detail::Limits limits =
       detail::to_limits(options_.target, table.n_alive_faces, detail::diagonal_of(table), table.scale);
   simplifier_ = detail::make_simplifier(std::move(table), options_);
-  report.reason = simplifier_->run(limits, progress);
+  report.stop_reason = simplifier_->run(limits, progress);
   fill_report(*simplifier_, report);
 }
 

@@ -176,10 +176,10 @@ std::vector<Result> run_levels(detail::Simplifier& simplifier, const PolygonSoup
     double proved = std::numeric_limits<double>::infinity();
     if (proof && std::isfinite(limits.error)) {
       const auto run = run_to_proved_error(simplifier, limits, input.positions, *proof, progress);
-      result.reason = run.reason;
+      result.stop_reason = run.reason;
       proved = run.proved;
     } else {
-      result.reason = simplifier.run(limits, progress);
+      result.stop_reason = simplifier.run(limits, progress);
     }
     detail::fill_report(simplifier, result);
     PolygonSoup soup = to_soup(table, input.positions);

@@ -160,7 +160,7 @@ struct SimplifyReport {
   /// [error_lower, error_bound], object units. Absent when it wasn't proved, or without faces.
   std::optional<double> error_bound;
   double error_lower = 0;
-  StopReason reason = StopReason::no_collapse_left;
+  StopReason stop_reason = StopReason::no_collapse_left;
   RefusedCollapses refused;
   double seconds = 0;        ///< without those of the proof
   double proof_seconds = 0;  ///< all proofs since the start of the run
@@ -177,8 +177,8 @@ struct SimplifySoupResult : SimplifyReport {
 /// Simplifies a copy of `mesh`. No flipped, duplicate, degenerate or non-finite polygon is made (the input's
 /// own remain possible); edges with more than two polygons are collapsed along themselves with all their
 /// polygons. Corner attributes are interpolated, or taken from the surviving end for half-edge collapses. A
-/// target that can't be reached gives the best mesh with `reason == no_collapse_left`. Same bytes for any
-/// number of threads. Throws `OptionError` for options out of range, and for `texture_deviation` without
+/// target that can't be reached gives the best mesh with `stop_reason == no_collapse_left`. Same bytes for
+/// any number of threads. Throws `OptionError` for options out of range, and for `texture_deviation` without
 /// texture coordinates or without their seams.
 SimplifyResult simplify(const PolygonMesh& mesh, const SimplifyOptions& options = {},
                         Progress* progress = nullptr);

@@ -79,6 +79,8 @@ void bind_shells(py::module_& m);
 void bind_subdivision(py::module_& m);
 /// Adds volume textures and textured shells.
 void bind_volumes(py::module_& m);
+/// Adds hierarchies that are read.
+void bind_hierarchy(py::module_& m);
 /// Adds progressive meshes to the module.
 void bind_progressive(py::module_& m);
 /// Adds pictures and their differences.

@@ -1,5 +1,6 @@
 // The compiled part of the Python module: conversions, and calls without the interpreter's lock.
 #include "calls.h"
+#include "hierarchy.h"
 #include "numpy_arrays.h"
 #include "options.h"
 #include <recede/geometry/error.h>
@@ -125,6 +126,7 @@ Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, co
            const py::dict& options, double feature_angle, py::object progress) {
   HierarchyOptions hierarchy_options;
   hierarchy_options.simplify = read_options(options);
+  read(levels, "faces", hierarchy_options.faces);
   read(levels, "ratios", hierarchy_options.ratios);
   read(levels, "errors", hierarchy_options.errors);
   read(levels, "distances", hierarchy_options.distances);
@@ -316,7 +318,7 @@ void bind_results(py::module_& m) {
       .def_property_readonly("error_lower", [](const Simplified& s) { return s.report.error_lower; })
       .def_property_readonly("error_estimate", [](const Simplified& s) { return s.report.error_estimate; })
       .def_property_readonly("stop_reason",
-                             [](const Simplified& s) { return std::string(to_string(s.report.reason)); })
+                             [](const Simplified& s) { return std::string(to_string(s.report.stop_reason)); })
       .def_property_readonly("refused", [](const Simplified& s) { return refused_counts(s.report); })
       .def_property_readonly("seconds", [](const Simplified& s) { return s.report.seconds; })
       .def_property_readonly("proof_seconds", [](const Simplified& s) { return s.report.proof_seconds; });
@@ -356,7 +358,9 @@ void bind_results(py::module_& m) {
       .def_property_readonly("normal_exr", [](const MapFiles& f) { return path_or_none(f.normal_exr); })
       .def_property_readonly("height", [](const MapFiles& f) { return path_or_none(f.height); });
   py::class_<Baked>(m, "BakeResult")
-      .def_property_readonly("levels", [](const Baked& baked) { return baked.hierarchy.levels; })
+      .def_property_readonly(
+          "levels",
+          [](const py::object& self) { return levels_of(self.cast<const Baked&>().hierarchy, self); })
       .def_property_readonly("glb", [](const Baked& baked) { return baked.files.glb; })
       .def_property_readonly("folder", [](const Baked& baked) { return baked.files.folder; })
       .def_readonly("far_levels", &Baked::far_levels)
@@ -417,6 +421,7 @@ PYBIND11_MODULE(_recede, m) {
   bind_billboards(m);
   bind_cad(m);
   bind_charts(m);
+  bind_hierarchy(m);
   bind_progressive(m);
   bind_maps(m);
   bind_dicing(m);

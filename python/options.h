@@ -6,6 +6,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -40,11 +41,17 @@ inline void read(const py::dict& from, const char* key, std::vector<std::pair<st
   }
 }
 
-/// What the name stands for. Throws `OptionError` with all names when it is none of them.
+/// What the name stands for; hyphens and underscores are alike. Throws `OptionError` with all names when it
+/// is none of them.
 template <typename Choice>
 Choice choice(const char* key, const std::string& name, const std::map<std::string, Choice>& names) {
-  const auto found = names.find(name);
-  if (found != names.end()) return found->second;
+  const auto plain = [](std::string text) {
+    std::replace(text.begin(), text.end(), '_', '-');
+    return text;
+  };
+  for (const auto& [text, value] : names) {
+    if (plain(text) == plain(name)) return value;
+  }
   std::string known;
   for (const auto& [text, value] : names) known += (known.empty() ? "" : ", ") + text;
   throw OptionError(std::string(key) + ": " + name + " isn't one of " + known);

@@ -56,7 +56,7 @@ PolygonMesh simplified_to_bytes(const PolygonMesh& mesh, std::size_t bytes, Prog
     faces *= std::min(k_less, k_less * static_cast<double>(bytes) / static_cast<double>(mesh_bytes(result)));
     options.target.faces = static_cast<std::size_t>(std::max(1.0, faces));
     SimplifyResult reached = simplify(mesh, options, progress);
-    if (!options.drop_parts && reached.reason == StopReason::no_collapse_left) {
+    if (!options.drop_parts && reached.stop_reason == StopReason::no_collapse_left) {
       options.drop_parts = true;
       reached = simplify(mesh, options, progress);
     }

@@ -163,7 +163,7 @@ std::string level_facts(const ReportContent& content, std::size_t index) {
   const LodLevel& level = content.hierarchy.levels[index];
   std::string facts = fact("Faces", grouped(content.levels[index].summary.faces)) +
                       fact("Vertices", grouped(content.levels[index].summary.vertices));
-  if (index == 0) return facts;
+  if (index == 0 && !is_of_cad(content)) return facts;
   const auto error = [&](std::string_view name, double value) {
     return fact(name, short_number(value), percent(value / content.diagonal));
   };
@@ -175,11 +175,12 @@ std::string level_facts(const ReportContent& content, std::size_t index) {
 std::string level_section(const ReportContent& content, std::size_t index) {
   const LodLevel& level = content.hierarchy.levels[index];
   const LevelContent& drawn = content.levels[index];
+  const std::string bound = fmt::format("off by {} {} object units", level.billboards ? "about" : "at most",
+                                        short_number(level.error.bound));
   const std::string serves =
-      index == 0 ? "The input."
-                 : fmt::format("Serves from distance {} on; off by {} {} object units.",
-                               short_number(level.switch_distance), level.billboards ? "about" : "at most",
-                               short_number(level.error.bound));
+      index > 0 ? fmt::format("Serves from distance {} on; {}.", short_number(level.switch_distance), bound)
+      : is_of_cad(content) ? fmt::format("The finest level; {}.", bound)
+                           : "The input.";
   std::string html = fmt::format(
       "<section class=\"level\" id=\"level-{0}\"><div><h3>Level {0}: {1} faces</h3>\n"
       "<p class=\"faint\">{2}</p>\n<dl>\n{3}</dl></div>\n<div class=\"pictures\">\n",

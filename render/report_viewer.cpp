@@ -58,7 +58,7 @@ aria-describedby="viewer-help"></canvas></div>
 <div class="below-canvas" id="viewer-below" hidden><span id="viewer-left"></span><span id="viewer-right"></span></div>
 <div id="viewer-legend" hidden><div class="scale" id="viewer-scale"></div>
 <div class="ends"><span>0</span><span id="viewer-most"></span></div>
-<p class="faint">Distance of each vertex to the input; between vertices it may be larger. The scale is that of the level.</p></div>
+<p class="faint">Distance of each vertex to level 0; between vertices it may be larger. The scale is that of the level.</p></div>
 <p class="faint" id="viewer-help">Drag or use the arrow keys to turn, with Shift or two fingers to move; pinch, the wheel (after a click)
 or + and - to zoom; 0 resets. True size: the pixels that the view of the switch distances has from there.</p>
 </div>
@@ -92,7 +92,7 @@ Json level_fields(const ReportContent& content, std::size_t index) {
   return fields;
 }
 
-// Numbers and base64 only, so that it is markup as it is.
+// Numbers, base64 and plain words only, so that it is markup as it is.
 std::string data_for_script(const ReportContent& content) {
   const LodHierarchy& hierarchy = content.hierarchy;
   Json data{{"box", {as_list(content.viewer.box.min()), as_list(content.viewer.box.max())}},
@@ -103,6 +103,7 @@ std::string data_for_script(const ReportContent& content) {
             {"from", as_list(view_from_front(content.options.up))},
             {"image_height", hierarchy.view.image_height},
             {"field_of_view", hierarchy.view.field_of_view},
+            {"reference", is_of_cad(content) ? "the finest level" : "the input"},
             {"levels", Json::array()}};
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i)
     data["levels"].push_back(level_fields(content, i));

@@ -40,6 +40,7 @@ from ._recede import (
     Error,
     FileReport,
     Geomorph,
+    Hierarchy,
     ImageDifference,
     InputError,
     Level,
@@ -62,6 +63,7 @@ from ._recede import (
     __version__,
 )
 from . import _recede
+from ._texts import give_texts, need_mesh
 from .billboards import (build_billboards, make_billboard_reflectance, read_billboard_reflectance,
                          write_billboards)
 from .lights import AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, light_tuples
@@ -71,15 +73,17 @@ from .volumes import carve, fill_shell, make_volume, move_matter, read_textured_
 __all__ = [
     "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud",
     "BillboardReflectance", "CadInstance", "CadModel", "CadPart", "Cancelled", "DicedView", "DirectionalLight",
-    "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph", "ImageDifference", "InputError", "Level",
+    "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph", "Hierarchy", "ImageDifference", "InputError", "Level",
     "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "PointLight",
     "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer", "SimplifyResult",
     "Subdivision", "TexturedShell", "TrimmedPatch", "TrimmingCurve", "VolumeTexture", "averaged_distance", "bake", "bake_maps", "build_billboards",
     "build_progressive", "build_shell", "can_read_cad", "carve", "compare", "dice", "diff", "fill_shell", "make_appearance", "make_atlas",
     "make_billboard_reflectance", "make_displaced_sphere", "make_teapot", "make_tree", "make_volume", "move_matter", "read", "read_appearance",
-    "read_billboard_reflectance", "read_cad", "read_image", "read_textured_shell", "render", "set_threads", "simplify", "simplify_levels",
+    "read_billboard_reflectance", "read_cad", "read_hierarchy", "read_image", "read_textured_shell", "render", "set_threads", "simplify", "simplify_levels",
     "subdivide", "tessellate_cad", "write", "write_billboards", "write_image",
 ]
+
+give_texts(_recede)
 
 Progress = Callable[[str, float], Optional[bool]]
 Path = Union[str, "os.PathLike[str]"]
@@ -131,7 +135,7 @@ def write(path: Path, mesh: Mesh) -> list[str]:
 
     The file appears whole or not at all. Raises `InputError`.
     """
-    return _recede.write(path, mesh)
+    return _recede.write(path, need_mesh("write", mesh))
 
 
 def _simplify_options(options: Mapping[str, Any]) -> tuple[dict[str, Any], float]:
@@ -170,7 +174,7 @@ def simplify(mesh: Mesh, *, faces: int | None = None, vertices: int | None = Non
     """
     target = {"faces": faces, "vertices": vertices, "ratio": ratio, "error": error, "relative_error": relative_error}
     settings, feature_angle = _simplify_options(options)
-    return _recede.simplify(mesh, [target], settings, feature_angle, progress)[0]
+    return _recede.simplify(need_mesh("simplify", mesh), [target], settings, feature_angle, progress)[0]
 
 
 def simplify_levels(mesh: Mesh, targets: Iterable[Mapping[str, float]], *, progress: Progress | None = None,
@@ -186,7 +190,7 @@ def simplify_levels(mesh: Mesh, targets: Iterable[Mapping[str, float]], *, progr
             if name not in known:
                 raise TypeError(f"unexpected target {name!r}; known are {', '.join(sorted(known))}")
     settings, feature_angle = _simplify_options(options)
-    return _recede.simplify(mesh, levels, settings, feature_angle, progress)
+    return _recede.simplify(need_mesh("simplify_levels", mesh), levels, settings, feature_angle, progress)
 
 
 def compare(first: Mesh, second: Mesh, *, samples: int = 200_000, bound_tolerance: float | None = 0.05,
@@ -196,6 +200,7 @@ def compare(first: Mesh, second: Mesh, *, samples: int = 200_000, bound_toleranc
     `samples` are spread over each surface by area, beside all vertices. `bound_tolerance` is the width of the
     certified interval as a share of `max_bound`; None certifies nothing.
     """
+    first, second = need_mesh("compare", first), need_mesh("compare", second)
     return _recede.compare(first, second, samples, bound_tolerance, progress)
 
 
@@ -258,11 +263,11 @@ def bake_maps(fine: Mesh, coarse: Mesh, *, maps: Sequence[str] = ("displacement"
     """
     settings = {**_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight),
                 "search_distance": search_distance}
-    return _recede.bake_maps(fine, coarse, settings, progress)
+    return _recede.bake_maps(need_mesh("bake_maps", fine), need_mesh("bake_maps", coarse), settings, progress)
 
 
-def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[float] | None = None,
-         errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
+def bake(mesh: Mesh, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
+         ratios: Sequence[float] | None = None, errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
          pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
          map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
@@ -270,8 +275,8 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
          **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
 
-    Levels are chosen by one of: `ratios` of the faces, decreasing (0.5, 0.25, 0.1, 0.03, 0.01 when nothing is
-    given); certified `errors`, increasing, or `relative_errors`, shares of the diagonal; camera `distances`,
+    Levels are chosen by one of: numbers of `faces`, decreasing, or `ratios` of them (0.5, 0.25, 0.1, 0.03, 0.01 when
+    nothing is given); certified `errors`, increasing, or `relative_errors`, shares of the diagonal; camera `distances`,
     increasing, whose errors follow from the view: `image_height` (pixels), vertical `field_of_view` (degrees) and
     `pixel_error` (pixels). `up` points upwards in the report's pictures. Options are those of `simplify`.
 
@@ -282,15 +287,25 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", ratios: Sequence[floa
     Where billboards look more like the mesh from far away than triangles of as many bytes they become the last levels;
     `result.far_levels` says why or why not. `billboards` False doesn't try them.
     """
-    if not (ratios or errors or relative_errors or distances):
+    if not (faces or ratios or errors or relative_errors or distances):
         ratios = (0.5, 0.25, 0.1, 0.03, 0.01)
-    levels = {"ratios": list(ratios or []), "errors": list(errors or []),
+    levels = {"faces": list(faces or []), "ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
               "up": list(up), "report": report, "billboards": billboards,
               **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
-    return _recede.bake(mesh, folder, name, levels, settings, feature_angle, progress)
+    return _recede.bake(need_mesh("bake", mesh), folder, name, levels, settings, feature_angle, progress)
+
+
+def read_hierarchy(folder: Path) -> Hierarchy:
+    """What `bake` or `recede bake` wrote: the folder `<name>.recede`, or that around it when it holds one.
+
+    `levels` have `mesh`, `error` and `switch_distance`, finest first. `level_for(distance)` is the number of the coarsest
+    one whose error is at most `pixel_error` pixels at that distance from the surface; `image_height` (pixels) and
+    `field_of_view` (vertical, degrees) are those that were baked for, unless given to it. Raises `InputError`.
+    """
+    return _recede.read_hierarchy(folder)
 
 
 class ProgressiveMesh:
@@ -410,7 +425,7 @@ def build_progressive(mesh: Mesh, *, faces: int | None = None, vertices: int | N
     """
     settings, feature_angle = _simplify_options(options)
     target = {"faces": faces, "vertices": vertices, "ratio": ratio}
-    compiled = _recede.build_progressive(mesh, {**settings, **target}, feature_angle, progress)
+    compiled = _recede.build_progressive(need_mesh("build_progressive", mesh), {**settings, **target}, feature_angle, progress)
     return ProgressiveMesh(compiled)
 
 
@@ -427,7 +442,7 @@ def make_atlas(mesh: Mesh, *, charts: int | None = None, bend_limit: float | Non
     options = {"charts": charts, "bend_limit": bend_limit, "compactness": compactness, "straighten": straighten,
                "keep_materials": keep_materials, "keep_uv_seams": keep_uv_seams, "stretch_limit": stretch_limit,
                "scale_by_stretch": scale_by_stretch, "map_size": map_size, "gutter": gutter}
-    return _recede.make_atlas(mesh, options, progress)
+    return _recede.make_atlas(need_mesh("make_atlas", mesh), options, progress)
 
 
 def dice(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None,
@@ -482,7 +497,7 @@ def read_appearance(path: Path) -> Appearance:
     return _recede.read_appearance(path)
 
 
-def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = None, tolerance: float | None = None,
+def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = None, error: float | None = None,
               creases: Sequence[tuple[int, int, float]] = (), corners: Sequence[tuple[int, float]] = (),
               crease_angle: float | None = None, crease_sharpness: float = 10, feature_sharpness: float = 0,
               border: str = "edge-and-corner", uv_interpolation: str = "boundaries", creasing: str = "uniform",
@@ -490,7 +505,7 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
     """The limit surface of a control mesh: points on it, their normals, and the facets between them.
 
     `scheme` is "catmull-clark" or "loop" (triangles; other polygons are cut first). `level` (2 when neither is given) is
-    the number of refinements, 0 to 10; `tolerance` takes the least one whose `error_estimate` is no larger, object units.
+    the number of refinements, 0 to 10; `error` takes the least one whose `error_estimate` is no larger, object units.
     `creases` are edges (vertex, vertex, sharpness), `corners` vertices (vertex, sharpness); from 10 on they are
     sharp for ever. Edges whose faces meet at more than `crease_angle` (degrees) get `crease_sharpness`, the mesh's feature
     edges `feature_sharpness`. `border` is "edge-only" or "edge-and-corner"; for `uv_interpolation` and `creasing` see
@@ -498,13 +513,13 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
 
     Raises `InputError` for a mesh that isn't manifold, `OptionError` for what is out of range.
     """
-    if level is not None and tolerance is not None:
-        raise OptionError("level and tolerance exclude each other")
-    options = {"scheme": scheme, "level": level, "tolerance": tolerance, "creases": list(creases),
+    if level is not None and error is not None:
+        raise OptionError("level and error exclude each other")
+    options = {"scheme": scheme, "level": level, "error": error, "creases": list(creases),
                "corners": list(corners), "crease_angle": None if crease_angle is None else crease_angle * pi / 180,
                "crease_sharpness": crease_sharpness, "feature_sharpness": feature_sharpness, "border": border,
                "uv_interpolation": uv_interpolation, "creasing": creasing}
-    return _recede.subdivide(mesh, options, progress)
+    return _recede.subdivide(need_mesh("subdivide", mesh), options, progress)
 
 
 def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: npt.ArrayLike | None = None, *, eye: Sequence[float] | None = None, look_at: Sequence[float] | None = None,

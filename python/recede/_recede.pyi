@@ -380,6 +380,33 @@ class BakeResult:
     @property
     def report(self) -> Optional[Path]: ...
 
+class Hierarchy:
+    """Levels of detail that were read; finest first, level 0 is the input."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def levels(self) -> list[Level]: ...
+    @property
+    def n_levels(self) -> int: ...
+    @property
+    def center(self) -> tuple[float, float, float]:
+        """Of the bounding sphere of level 0"""
+    @property
+    def radius(self) -> float: ...
+    @property
+    def image_height(self) -> float:
+        """Of the view that was baked for, pixels"""
+    @property
+    def field_of_view(self) -> float:
+        """Vertical, degrees"""
+    @property
+    def pixel_error(self) -> float: ...
+    def level_for(
+        self, distance: float, *, image_height: Optional[float] = None, field_of_view: Optional[float] = None,
+        pixel_error: Optional[float] = None,
+    ) -> int:
+        """The coarsest level whose error is at most `pixel_error` pixels at that distance from the surface"""
+
 class FileReport:
     """What the bytes of a .pmesh file are spent on."""
     @property
@@ -751,6 +778,7 @@ def bake(
     mesh: Mesh, folder: _Path, name: str, levels: dict[str, Any], options: dict[str, Any], feature_angle: float,
     progress: _Progress,
 ) -> BakeResult: ...
+def read_hierarchy(path: _Path) -> Hierarchy: ...
 def bake_maps(fine: Mesh, coarse: Mesh, settings: dict[str, Any], progress: _Progress) -> BakedMaps: ...
 def dice(
     surface: Union[BakedMaps, Mesh], height: Optional[npt.ArrayLike], eye: Optional[Sequence[float]],

@@ -8,6 +8,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import _recede
+from ._texts import need_mesh
 
 if TYPE_CHECKING:
     from . import BillboardCloud, BillboardReflectance, Mesh, Path, Progress
@@ -36,7 +37,7 @@ def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
                 "normal_deviation": normal_deviation, "waste": waste, "two_sided": two_sided,
                 "neighbours": neighbours, "texels_per_error": texels_per_error, "samples": samples,
                 "overlap": overlap, "gutter": gutter, "budget": budget}
-    return _recede.build_billboards(mesh, settings, textures, progress)
+    return _recede.build_billboards(need_mesh("build_billboards", mesh), settings, textures, progress)
 
 
 def write_billboards(folder: Path, mesh: Mesh, clouds: Sequence[BillboardCloud], *, name: str = "model",
@@ -48,7 +49,7 @@ def write_billboards(folder: Path, mesh: Mesh, clouds: Sequence[BillboardCloud],
     from which distances on they serve.
     """
     view = {"image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error}
-    return _recede.write_billboards(folder, mesh, list(clouds), name, view, progress)
+    return _recede.write_billboards(folder, need_mesh("write_billboards", mesh), list(clouds), name, view, progress)
 
 
 def make_billboard_reflectance(mesh: Mesh, cloud: BillboardCloud, *, view_side: int = 7, light_side: int = 7,
@@ -65,6 +66,7 @@ def make_billboard_reflectance(mesh: Mesh, cloud: BillboardCloud, *, view_side: 
     """
     settings = {"view_side": view_side, "light_side": light_side, "samples": samples, "shaded": shaded, "bounces": bounces,
                 "largest_share": largest_share, "memory": memory}
+    mesh = need_mesh("make_billboard_reflectance", mesh)
     return _recede.make_billboard_reflectance(mesh, cloud, settings, progress)
 
 

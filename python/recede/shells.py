@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import _recede
 from ._recede import OptionError
+from ._texts import need_mesh
 
 if TYPE_CHECKING:
     from . import AveragedDistance, Mesh, Progress, Shell
@@ -38,6 +39,7 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
 
     Raises `OptionError` for what is out of range, `InputError` for a mesh without area.
     """
+    need_mesh("build_shell", mesh)
     given = [value is not None for value in (thickness, relative_thickness, thicknesses)]
     if sum(given) != 1:
         raise OptionError("a shell needs one of thickness, relative_thickness and thicknesses")

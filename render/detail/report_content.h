@@ -80,6 +80,9 @@ bool has_viewer(const ReportContent& content);
 /// The levels in three dimensions, or a line that says why they can't be seen.
 std::string viewer_section(const ReportContent& content);
 
+/// Whether level 0 has an error as well: there are no triangles that it could be the same as.
+inline bool is_of_cad(const ReportContent& content) { return !content.options.patches.empty(); }
+
 /// Whether any level has maps.
 bool has_maps(const ReportContent& content);
 

@@ -121,7 +121,7 @@ function start() {
     $("shown").textContent = title(level);
     range.setAttribute("aria-valuetext", title(level));
     $("left").textContent = reference ? title(level) : "";
-    $("right").textContent = reference ? title(reference) + (reference.level === 0 ? ", the input" : "") : "";
+    $("right").textContent = reference ? title(reference) + (reference.level === 0 ? `, ${model.reference}` : "") : "";
     $("below").hidden = !reference;
     $("frame").classList.toggle("beside", Boolean(reference));
     $("legend").hidden = !$("error").checked;

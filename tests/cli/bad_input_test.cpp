@@ -33,7 +33,12 @@ TEST(BadInput, MissingFileIsNamed) {
 TEST(BadInput, FolderInPlaceOfAFileIsNamed) {
   const TempFolder folder;
   std::filesystem::create_directory(folder / "folder.obj");
-  EXPECT_EQ(complaint_about(folder, "folder.obj"), ": is a folder");
+  const std::string path = folder / "folder.obj";
+  EXPECT_EQ(complaint_of(run_recede({"simplify", path, "-o", folder / "out.ply", "--ratio", "0.5"}), 1),
+            "recede: " + path + ": is a folder");
+  EXPECT_EQ(complaint_of(run_recede({"compare", path, path}), 1), "recede: " + path + ": is a folder");
+  EXPECT_THAT(complaint_of(run_recede({"info", path}), 1),
+              HasSubstr(path + ": holds no hierarchy, which is a folder"));
 }
 
 TEST(BadInput, UnknownExtensionNamesTheKnownOnes) {

@@ -66,6 +66,27 @@ TEST(BakeCommand, MakesTheLevelsOfTheRatiosAndEveryDocumentedField) {
   expect_levels_in_order(levels);
 }
 
+TEST(BakeCommand, MakesLevelsWithTheFacesAskedForInEitherNotation) {
+  const TempFolder folder;
+  for (const std::vector<std::string>& faces : {std::vector<std::string>{"1000", "300"}, {"1000,300"}}) {
+    std::vector<std::string> arguments{"--no-report", "--faces"};
+    arguments.insert(arguments.end(), faces.begin(), faces.end());
+    const json levels = bake_sphere(folder, arguments).at("levels");
+    ASSERT_EQ(levels.size(), 3u);
+    EXPECT_EQ(levels[1].at("faces"), 1000);
+    EXPECT_EQ(levels[2].at("faces"), 300);
+  }
+  EXPECT_THAT(complaint_of(run_recede({"bake", "sphere", "-o", folder / "no", "--faces", "-5"}), 2),
+              HasSubstr("--faces: -5 must be at least 0"));
+}
+
+TEST(BakeCommand, SaysInTextWhatServesFarAway) {
+  const TempFolder folder;
+  const std::string text =
+      run_recede({"bake", write_sphere(folder, 500), "-o", folder / "out", "--no-report"}).output;
+  EXPECT_THAT(text, testing::ContainsRegex("from distance   what serves there\n *[0-9.]+   triangles: "));
+}
+
 TEST(BakeCommand, KeepsTheCertifiedBoundsThatErrorsAskFor) {
   const TempFolder folder;
   const json levels = bake_sphere(folder, {"--errors", "0.02", "0.08", "--no-report"}).at("levels");

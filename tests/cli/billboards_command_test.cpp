@@ -6,6 +6,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace recede::test {
 namespace {
 
@@ -135,6 +138,23 @@ TEST(BillboardsCommand, WritesReflectanceThatRenderDraws) {
               HasSubstr("level_0.reflectance: isn't there"));
   EXPECT_THAT(complaint_of(run_recede({"render", "sphere", "-o", folder / "p.png", "--reflectance"}), 2),
               HasSubstr("no billboards"));
+}
+
+TEST(BillboardsCommand, SaysFromWhichDistanceEvenTheFinestCloudServes) {
+  const TempFolder folder;
+  const nlohmann::json result =
+      json_of(run_recede({"billboards", write_sphere(folder, 500), "--folder", folder / "out",
+                          "--relative-errors", "0.02", "0.05", "--pixel-error", "2", "--json"}));
+  double before = 0;
+  for (const nlohmann::json& cloud : result["clouds"]) {
+    const nlohmann::json& textures = cloud["textures"];
+    // Two pixels of 1080 in 45 degrees.
+    const double distance =
+        textures["error"]["bound"].get<double>() * 1080 / (4 * std::tan(std::numbers::pi / 8));
+    EXPECT_NEAR(textures["switch_distance"], distance, 1e-9 * distance);
+    EXPECT_GT(textures["switch_distance"], before);
+    before = textures["switch_distance"];
+  }
 }
 
 TEST(BillboardsCommand, SaysWhatCantBe) {

@@ -33,6 +33,23 @@ std::pair<unsigned, unsigned> size_of(const std::filesystem::path& path) {
   return {number(16), number(20)};
 }
 
+TEST(RenderCommand, FindsTheHierarchyInTheFolderThatBakeWrote) {
+  const TempFolder folder;
+  const std::string hierarchy = bake_sphere(folder), around = folder / "out";
+  const auto draw = [&](const std::string& input) {
+    const json result = json_of(run_recede({"render", input, "-o", folder / "a.png", "--image-width", "20",
+                                            "--image-height", "20", "--eye", "0,0,1000", "--json"}));
+    EXPECT_EQ(result.at("input"), input);
+    EXPECT_EQ(result.at("level"), 2);
+    return read_whole_file(folder / "a.png");
+  };
+  const std::string picture = draw(hierarchy);
+  EXPECT_EQ(draw(around), picture);
+  EXPECT_EQ(draw(hierarchy + "/hierarchy.json"), picture);
+  EXPECT_THAT(complaint_of(run_recede({"render", folder.path(), "-o", folder / "b.png"}), 1),
+              HasSubstr("holds no hierarchy"));
+}
+
 TEST(RenderCommand, DrawsTheLevelThatTheViewNeeds) {
   const TempFolder folder;
   const std::string hierarchy = bake_sphere(folder);

@@ -66,6 +66,26 @@ TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
   EXPECT_TRUE(result["exterior"]["is_valid_elsewhere"]);
 }
 
+TEST(ShellCommand, WritesWhatIsNotValidOnDemandOnly) {
+  const TempFolder folder;
+  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+  const std::string out = folder / "shell.ply";
+  std::vector<std::string> arguments{"shell", folder / "cross.obj", "--thickness", "0.1", "-o", out,
+                                     "--json"};
+  const CommandResult refused = run_recede(arguments);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.remarks, HasSubstr("isn't valid, so it wasn't written; --keep-invalid"));
+  const nlohmann::json report = nlohmann::json::parse(refused.output);
+  EXPECT_FALSE(report["is_valid"]);
+  EXPECT_TRUE(report["output"].is_null());
+  EXPECT_FALSE(std::filesystem::exists(out));
+  arguments.push_back("--keep-invalid");
+  const CommandResult kept = run_recede(arguments);
+  EXPECT_THAT(kept.remarks, HasSubstr("what was written isn't valid"));
+  EXPECT_EQ(json_of(kept)["output"], out);
+  EXPECT_GT(read_soup(out).n_faces(), 0u);
+}
+
 TEST(ShellCommand, WrapsWhatMeetsItself) {
   const TempFolder folder;
   folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");

@@ -141,7 +141,7 @@ TEST(SimplifyCommand, GivesTheBestMeshAndTheReasonWhenTheTargetIsOutOfReach) {
 TEST(SimplifyCommand, StopsAtAnErrorWithoutCallingItAMiss) {
   const TempFolder folder;
   const CommandResult run = run_recede({"simplify", write_sphere(folder, 2000), "-o", folder / "small.ply",
-                                        "--max-relative-error", "0.001", "--json"});
+                                        "--relative-error", "0.001", "--json"});
   const json result = json_of(run);
   EXPECT_EQ(result.at("stop_reason"), "error target reached");
   EXPECT_LE(result.at("error_estimate").get<double>(), 0.001 * result.at("diagonal").get<double>());

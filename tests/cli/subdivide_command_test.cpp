@@ -41,7 +41,7 @@ TEST(SubdivideCommand, ChoosesTheLevelByTheTolerance) {
   const std::string cube = write_cube(folder);
   for (const char* name : {"smooth.ply", "smooth.glb"}) {
     const std::string out = folder / name;
-    const json result = json_of(run_recede({"subdivide", cube, "-o", out, "--tolerance", "0.01", "--json"}));
+    const json result = json_of(run_recede({"subdivide", cube, "-o", out, "--error", "0.01", "--json"}));
     EXPECT_LE(result.at("error_estimate"), 0.01);
     const json coarser =
         json_of(run_recede({"subdivide", cube, "-o", out, "--level",
@@ -75,12 +75,12 @@ TEST(SubdivideCommand, RefusesWhatItCannotDo) {
               HasSubstr("unknown kind"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "11"}), 2),
               HasSubstr("--level"));
-  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--tolerance", "-1"}), 2),
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--error", "-1"}), 2),
               HasSubstr("tolerance"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", "teapot", "-o", out, "--level", "10"}), 2),
               HasSubstr("more than 50000000"));
-  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "1", "--tolerance", "1"}), 2),
-              HasSubstr("--tolerance"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "1", "--error", "1"}), 2),
+              HasSubstr("--error"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--scheme", "doo-sabin"}), 2),
               HasSubstr("catmull-clark, loop"));
   EXPECT_THAT(names_below(folder / ""), testing::ElementsAre("cube.obj"));

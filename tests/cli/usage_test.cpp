@@ -27,6 +27,15 @@ TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
                                 HasSubstr("--json"), HasSubstr("--threads"), HasSubstr("--quiet")));
 }
 
+TEST_P(EveryCommand, HelpsInWordsInsteadOfTypes) {
+  const std::string help = run_recede({GetParam(), "--help"}).output;
+  for (const char* type :
+       {"FLOAT", "UINT", "INT", "TEXT", "REQUIRED", "Excludes", "Option Group", "[Exactly", "{"})
+    EXPECT_THAT(help, Not(HasSubstr(type)));
+  EXPECT_THAT(help, HasSubstr("--threads N (0 to 1024)"));
+  EXPECT_EQ(run_recede({"help", GetParam()}).output, help);
+}
+
 TEST_P(EveryCommand, RefusesAnUnknownOptionByName) {
   EXPECT_THAT(complaint_of(run_recede({GetParam(), "--frobnicate"}), 2), Not(HasSubstr("Run with")));
   EXPECT_THAT(complaint_of(run_recede({"info", "teapot", "--frobnicate"}), 2), HasSubstr("--frobnicate"));
@@ -44,6 +53,44 @@ TEST(Usage, OfTheWholeCommandNamesTheCommands) {
                     HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("diff"), HasSubstr("info"),
                     HasSubstr("progressive"), HasSubstr("extract"), HasSubstr("render"),
                     HasSubstr("turntable"), HasSubstr("dice"), HasSubstr("subdivide")));
+}
+
+TEST(Usage, HelpsWithKindsOfValuesAndTheirRanges) {
+  EXPECT_EQ(run_recede({"help"}).output, run_recede({"--help"}).output);
+  const std::string help = run_recede({"simplify", "--help"}).output;
+  EXPECT_THAT(help, AllOf(HasSubstr("-o,--output FILE (required)"), HasSubstr("--ratio NUMBER  "),
+                          HasSubstr("--uv-weight NUMBER (at least 0)"), HasSubstr("--cost NAME  ")));
+  const std::string bake = run_recede({"bake", "--help"}).output;
+  EXPECT_THAT(bake, AllOf(HasSubstr("--faces N ..."), HasSubstr("-o,--output FOLDER (required)")));
+  EXPECT_THAT(run_recede({"extract", "--help"}).output, HasSubstr("--pixel-error NUMBER (with --eye)"));
+}
+
+TEST(Usage, TakesHyphensForUnderscoresInNames) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 200);
+  const auto simplified = [&](const char* cost, const char* placement) {
+    EXPECT_EQ(run_recede({"simplify", sphere, "-o", folder / "a.ply", "--ratio", "0.5", "--cost", cost,
+                          "--placement", placement, "--no-measure"})
+                  .code,
+              0);
+    return read_whole_file(folder / "a.ply");
+  };
+  EXPECT_EQ(simplified("normal-deviation", "half-edge"), simplified("normal_deviation", "half_edge"));
+  EXPECT_EQ(json_of(run_recede({"subdivide", sphere, "-o", folder / "b.ply", "--level", "0", "--scheme",
+                                "catmull_clark", "--json"}))["scheme"],
+            "catmull-clark");
+}
+
+TEST(Usage, NamesTheKindsOfFilesThatItWrites) {
+  EXPECT_EQ(complaint_of(run_recede({"walk", "part.step", "-o", "z.txt"}), 2),
+            "recede: --output: z.txt should end in .csv");
+  EXPECT_EQ(complaint_of(run_recede({"seams", "part.step", "-o", "z.ply"}), 2),
+            "recede: --output: z.ply should end in .obj");
+  EXPECT_EQ(complaint_of(run_recede({"extract", "a.pmesh", "-o", "z.obj", "--morph-ratio", "0.1"}), 2),
+            "recede: --output: z.obj should end in .glb, .gltf, .ply");
+  EXPECT_THAT(complaint_of(run_recede({"extract", "a.pmesh", "-o", "z.txt"}), 1),
+              HasSubstr(".obj .ply .stl"));
+  EXPECT_THAT(complaint_of(run_recede({"render", "teapot", "-o", "z.txt"}), 1), HasSubstr(".png .exr"));
 }
 
 TEST(Usage, PrintsTheVersion) {
@@ -103,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"RatioThatIsNoNumber", {"simplify", "teapot", "--ratio", "half"}, "--ratio"},
         BadValue{"RatioAboveOne", {"simplify", "teapot", "--ratio", "2"}, "ratio"},
         BadValue{"NoFaces", {"simplify", "teapot", "--faces", "0"}, "face"},
-        BadValue{"NegativeError", {"simplify", "teapot", "--max-error", "-1"}, "error"},
+        BadValue{"NegativeError", {"simplify", "teapot", "--error", "-1"}, "error"},
         BadValue{"UnknownCost", {"simplify", "teapot", "--cost", "beauty"}, "volume, normal_deviation"},
         BadValue{"CostByNumber", {"simplify", "teapot", "--cost", "1"}, "volume, normal_deviation"},
         BadValue{"UnknownPlacement", {"simplify", "teapot", "--placement", "near"}, "half_edge"},

@@ -71,7 +71,7 @@ TEST_P(HardCases, RepairSimplifyAndMeasure) {
       // uncertain as those are wide.
       const MeshDistance distance = measure_distance(mesh, result.mesh, {.samples = 5000});
       EXPECT_LE(distance.max, *result.error_bound + 1e-9 * distance.diagonal);
-      if (result.reason == StopReason::no_collapse_left && result.faces_after > 1) {
+      if (result.stop_reason == StopReason::no_collapse_left && result.faces_after > 1) {
         std::size_t refused = 0;
         for (const std::size_t count : result.refused.counts) refused += count;
         EXPECT_GT(refused, 0u) << "it says why it stopped";
@@ -91,7 +91,7 @@ TEST_P(HardCases, ASoupGivesWhatItsMeshGives) {
 TEST_P(HardCases, FlatSurfacesDontChange) {
   if (!GetParam().closed_flat) return;
   const SimplifySoupResult result = simplify(soup(), to_share(0.1));
-  EXPECT_EQ(result.reason, StopReason::face_target);
+  EXPECT_EQ(result.stop_reason, StopReason::face_target);
   // Rounding of a unit-sized surface, over some hundred collapses.
   EXPECT_LT(*result.error_bound, 1e-12);
 }
@@ -144,7 +144,7 @@ TEST(HardCasesOneByOne, FlippedFacesAreTurnedBackAndSimplifyAsIfNothingWas) {
 TEST(HardCasesOneByOne, ABookKeepsItsSpine) {
   const PolygonMesh book = test::mesh_of(test::book_of_sheets(3, 20));
   const SimplifyResult result = simplify(book, to_share(0.1));
-  EXPECT_EQ(result.reason, StopReason::face_target);
+  EXPECT_EQ(result.stop_reason, StopReason::face_target);
   test::expect_sound(result.mesh, 3);
   PolygonSoup soup = to_soup(result.mesh);
   merge_identical_vertices(soup);
@@ -160,7 +160,7 @@ TEST(HardCasesOneByOne, ABookKeepsItsSpine) {
 
 TEST(HardCasesOneByOne, SheetsSeenFromBothSidesSimplifyAsOneSheet) {
   const SimplifySoupResult result = simplify(test::double_sided_sheet(20), to_share(0.1));
-  EXPECT_EQ(result.reason, StopReason::face_target);
+  EXPECT_EQ(result.stop_reason, StopReason::face_target);
   EXPECT_LE(result.faces_after, 160u);
   EXPECT_GE(result.faces_after, 150u);
   std::map<std::vector<Index>, int> sides;
@@ -175,7 +175,7 @@ TEST(HardCasesOneByOne, SheetsSeenFromBothSidesSimplifyAsOneSheet) {
 
 TEST(HardCasesOneByOne, LooseCubesSayWhyTheyStop) {
   const SimplifySoupResult result = simplify(test::loose_cubes(1500), to_share(0.1));
-  EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+  EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
   EXPECT_EQ(result.faces_after, 6000u) << "tetrahedra";
   EXPECT_GT(result.refused[Refusal::duplicate], 0u);
 }

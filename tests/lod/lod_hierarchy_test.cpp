@@ -59,6 +59,19 @@ TEST(LodHierarchy, LevelsByRatioHaveGrowingErrorsAndDistances) {
   }
 }
 
+TEST(LodHierarchy, LevelsByFacesHaveNoMore) {
+  HierarchyOptions options;
+  options.faces = {3000, 701};
+  const LodHierarchy h = build_hierarchy(mesh_of(make_displaced_sphere(6000, true)), "ball", options);
+  ASSERT_EQ(h.levels.size(), 3u);
+  EXPECT_EQ(h.levels[1].mesh.n_faces(), 3000u);
+  EXPECT_EQ(h.levels[2].mesh.n_faces(), 700u) << "a collapse in a closed surface takes two triangles";
+  options.faces = {100, 200};
+  EXPECT_THROW(build_hierarchy(mesh_of(test::grid(2)), "x", options), OptionError);
+  options.faces = {100, 0};
+  EXPECT_THROW(build_hierarchy(mesh_of(test::grid(2)), "x", options), OptionError);
+}
+
 TEST(LodHierarchy, LevelsByErrorKeepTheirBound) {
   const PolygonMesh mesh = mesh_of(make_displaced_sphere(6000, true));
   HierarchyOptions options;

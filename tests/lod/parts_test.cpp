@@ -67,7 +67,7 @@ TEST(DropParts, NothingIsDroppedUnasked) {
   options.target.faces = 1;
   const SimplifySoupResult result = simplify(two_sheets(), options);
   EXPECT_EQ(result.dropped_parts, 0u);
-  EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+  EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
   EXPECT_EQ(summarize(test::mesh_of(result.soup)).components, 2u);
 }
 
@@ -83,7 +83,7 @@ TEST(DropParts, LooseCubesReachTheirTargetAndSayWhatIsGone) {
     SimplifyOptions options = dropping({.faces = 1800});
     options.cost = cost;
     const SimplifySoupResult result = simplify(soup, options);
-    EXPECT_EQ(result.reason, StopReason::face_target);
+    EXPECT_EQ(result.stop_reason, StopReason::face_target);
     EXPECT_LE(result.faces_after, 1800u);
     EXPECT_GT(result.faces_after, 1500u);
     EXPECT_EQ(result.faces_before, result.faces_after + result.removed_faces + result.dropped_faces);
@@ -105,7 +105,7 @@ TEST(DropParts, BoltsGoBeforeTheHousing) {
   const SimplifySoupResult result = simplify(soup, dropping({.ratio = 0.01}));
   // Those on which others relied stay for another round.
   EXPECT_GT(result.dropped_parts, 40u);
-  EXPECT_EQ(result.reason, StopReason::face_target);
+  EXPECT_EQ(result.stop_reason, StopReason::face_target);
   EXPECT_LE(measure_distance(soup, result.soup).max, *result.error_bound);
   SimplifyOptions keeping;
   keeping.target.ratio = 0.01;

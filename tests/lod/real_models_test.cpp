@@ -46,7 +46,7 @@ TEST_F(RealModels, SmoothScansCompressMoreThanCoarseModels) {
   options.cost = CostPolicy::normal_deviation;
   const auto kept = [&](const std::string& name) {
     const SimplifyResult result = simplify(read(name), options);
-    EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+    EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
     return double(result.faces_after) / double(result.faces_before);
   };
   const double bunny = kept("meshes/bunny00.off"), elephant = kept("meshes/refined_elephant.off");

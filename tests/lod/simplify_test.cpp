@@ -51,7 +51,7 @@ TEST(Simplify, NormalDeviationKeepsAFlatGridFlatAndItsOutline) {
   options.cost = CostPolicy::normal_deviation;
   const SimplifyResult result = simplify(mesh, options);
   expect_sound(result.mesh);
-  EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+  EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
   EXPECT_LT(result.faces_after, 20u);
   EXPECT_LT(*measure_distance(mesh, result.mesh, {.bound_tolerance = 0.1}).max_bound, 1e-12);
 }
@@ -59,27 +59,28 @@ TEST(Simplify, NormalDeviationKeepsAFlatGridFlatAndItsOutline) {
 TEST(Simplify, StopsAtEveryKindOfTarget) {
   const PolygonMesh mesh = mesh_of(make_displaced_sphere(3000, true));
   EXPECT_EQ(simplify(mesh, to_faces(500)).faces_after, 500u);
-  EXPECT_EQ(simplify(mesh, to_faces(500)).reason, StopReason::face_target);
+  EXPECT_EQ(simplify(mesh, to_faces(500)).stop_reason, StopReason::face_target);
   SimplifyOptions options;
   options.target.vertices = 300;
   EXPECT_EQ(simplify(mesh, options).vertices_after, 300u);
-  EXPECT_EQ(simplify(mesh, options).reason, StopReason::vertex_target);
+  EXPECT_EQ(simplify(mesh, options).stop_reason, StopReason::vertex_target);
   options.target = {};
   options.target.relative_error = 0.01;
   const double limit = 0.01 * summarize(mesh).box.diagonal().norm();
   const SimplifyResult by_error = simplify(mesh, options);
-  EXPECT_EQ(by_error.reason, StopReason::error_target);
+  EXPECT_EQ(by_error.stop_reason, StopReason::error_target);
   ASSERT_TRUE(by_error.error_bound);
   EXPECT_LE(*by_error.error_bound, limit);
   EXPECT_GE(*by_error.error_bound, 0.5 * limit) << "coarser was possible";
   EXPECT_LT(by_error.faces_after, mesh.n_faces() / 4);
   options.prove_error = false;
   const SimplifyResult by_estimate = simplify(mesh, options);
-  EXPECT_EQ(by_estimate.reason, StopReason::error_target);
+  EXPECT_EQ(by_estimate.stop_reason, StopReason::error_target);
   EXPECT_LE(by_estimate.error_estimate, limit);
   EXPECT_FALSE(by_estimate.error_bound);
   options.target.faces = 2000;
-  EXPECT_EQ(simplify(mesh, options).reason, StopReason::face_target) << "the first that is reached stops";
+  EXPECT_EQ(simplify(mesh, options).stop_reason, StopReason::face_target)
+      << "the first that is reached stops";
 }
 
 TEST(Simplify, MakesNoUnsoundPolygonAtAnyLevel) {
@@ -235,7 +236,7 @@ TEST(Simplify, LockedBordersStayToTheLastBit) {
   options.lock_borders = true;
   const SimplifyResult result = simplify(mesh, options);
   EXPECT_EQ(summarize(result.mesh).border_edges, 32u);
-  EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+  EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
 }
 
 /// A grid of two materials side by side with a straight border between them at x = 1/2, and an island in one
@@ -304,7 +305,7 @@ TEST(Simplify, NormalsStayUnitAndColoursInRange) {
     soup.vertex_colors.push_back(Vec4(0.5 + 0.25 * p.x(), 0.5 + 0.25 * p.y(), 0.5 + 0.25 * p.z(), 1));
   }
   const SimplifyResult result = simplify(mesh_of(soup), to_ratio(0.05));
-  EXPECT_EQ(result.reason, StopReason::face_target);
+  EXPECT_EQ(result.stop_reason, StopReason::face_target);
   const PolygonSoup coarse = to_soup(result.mesh);
   for (std::size_t c = 0; c < coarse.n_corners(); ++c) {
     EXPECT_NEAR(coarse.corner_normals[c].norm(), 1, 1e-12);
@@ -397,13 +398,13 @@ TEST(Simplify, AClosedTetrahedronCannotShrink) {
     options.normal_threshold = -1;
     const SimplifyResult result = simplify(mesh, options);
     EXPECT_EQ(result.faces_after, 4u);
-    EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+    EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
   }
 }
 
 TEST(Simplify, CountsRefusalsByReason) {
   const SimplifyResult result = simplify(mesh_of(make_displaced_sphere(1000, true)), to_faces(1));
-  EXPECT_EQ(result.reason, StopReason::no_collapse_left);
+  EXPECT_EQ(result.stop_reason, StopReason::no_collapse_left);
   EXPECT_GT(
       result.refused[Refusal::topology] + result.refused[Refusal::duplicate] + result.refused[Refusal::flip],
       0u);

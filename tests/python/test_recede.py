@@ -297,6 +297,68 @@ def test_threads_dont_change_the_result(sphere):
     assert all(np.array_equal(results[0].corner_vertices, other.corner_vertices) for other in results)
 
 
+def test_a_path_in_the_place_of_a_mesh_is_refused_in_words(tmp_path):
+    path = tmp_path / "ball.ply"
+    for call, name in ((lambda mesh: recede.simplify(mesh, ratio=0.5), "simplify"), (lambda mesh: recede.bake(mesh, tmp_path), "bake"),
+                       (lambda mesh: recede.compare(mesh, mesh), "compare"), (recede.make_atlas, "make_atlas"),
+                       (recede.build_progressive, "build_progressive"), (recede.subdivide, "subdivide"),
+                       (lambda mesh: recede.build_shell(mesh, 0.1), "build_shell"), (recede.build_billboards, "build_billboards"),
+                       (lambda mesh: recede.write(tmp_path / "a.ply", mesh), "write")):
+        with pytest.raises(TypeError) as raised:
+            call(str(path))
+        assert str(raised.value) == f"{name} takes a Mesh, not str; recede.read reads files"
+    with pytest.raises(TypeError, match="not PosixPath; recede.read reads files"):
+        recede.simplify(path, ratio=0.5)
+
+
+def test_a_result_in_the_place_of_its_mesh_is_refused_in_words(sphere):
+    small = recede.simplify(sphere, ratio=0.5, prove_error=False)
+    with pytest.raises(TypeError, match="simplify takes a Mesh, not SimplifyResult; its `mesh` is one"):
+        recede.simplify(small, ratio=0.5)
+    with pytest.raises(TypeError, match="simplify takes a Mesh, not float"):
+        recede.simplify(1.5)
+
+
+def test_results_have_texts(sphere):
+    small = recede.simplify(sphere, ratio=0.5, prove_error=False)
+    assert repr(small).startswith("<recede.SimplifyResult mesh=<recede.Mesh of 1536 faces over ")
+    assert "error_bound=None" in repr(small) and "stop_reason='face target reached'" in repr(small)
+    distance = recede.compare(sphere, small.mesh, samples=1000, bound_tolerance=None)
+    assert f"rms={distance.rms:.6g}" in repr(distance)
+    for name, kind in vars(recede._recede).items():
+        assert not isinstance(kind, type) or kind.__repr__ is not object.__repr__, name
+
+
+def test_a_hierarchy_is_read_back_and_knows_its_levels(sphere, tmp_path):
+    baked = recede.bake(sphere, tmp_path, name="ball", faces=[1000, 200], pixel_error=2, billboards=False, report=False)
+    hierarchy = recede.read_hierarchy(tmp_path)
+    assert hierarchy.name == "ball" and hierarchy.n_levels == 3 and hierarchy.pixel_error == 2
+    assert hierarchy.field_of_view == pytest.approx(45) and hierarchy.image_height == 1080
+    assert [level.mesh.n_faces for level in hierarchy.levels] == [sphere.n_faces, 1000, 200]
+    assert [level.error.bound for level in hierarchy.levels] == [level.error.bound for level in baked.levels]
+    distances = [level.switch_distance for level in hierarchy.levels]
+    assert [hierarchy.level_for(distance + 1e-9) for distance in distances] == [0, 1, 2]
+    assert hierarchy.level_for(distances[2] - 1e-9) == 1
+    # Half of the pixels, or twice the error: from half of the distance on.
+    assert hierarchy.level_for(distances[2] / 2 + 1e-9, image_height=540) == 2
+    assert hierarchy.level_for(distances[2] / 2 + 1e-9, pixel_error=4) == 2
+    assert hierarchy.level_for(distances[2], field_of_view=90) == 2 and hierarchy.level_for(distances[2], field_of_view=20) < 2
+    levels = recede.read_hierarchy(baked.folder).levels  # outlive the hierarchy
+    assert levels[2].mesh.n_faces == 200
+    with pytest.raises(recede.OptionError):
+        hierarchy.level_for(1, pixel_error=0)
+    with pytest.raises(recede.InputError, match="isn't a hierarchy"):
+        recede.read_hierarchy(tmp_path / "ball.glb")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(recede.InputError, match="holds no hierarchy"):
+        recede.read_hierarchy(tmp_path / "empty")
+
+
+def test_names_take_hyphens_for_underscores(sphere):
+    both = [recede.simplify(sphere, ratio=0.5, cost=cost, prove_error=False) for cost in ("normal_deviation", "normal-deviation")]
+    assert np.array_equal(both[0].mesh.positions, both[1].mesh.positions)
+
+
 def test_every_function_says_what_it_does():
     for name in recede.__all__:
         item = getattr(recede, name)
@@ -326,14 +388,14 @@ def test_a_control_cube_becomes_its_limit_surface():
     assert smooth.level == 3 and smooth.mesh.n_faces == 6 * 64 and smooth.crease_edges == 0
     assert np.allclose(smooth.mesh.positions[:8], corners / 2, atol=1e-13)
     assert np.allclose(np.linalg.norm(smooth.mesh.corner_normals, axis=1), 1)
-    near = recede.subdivide(cube, tolerance=0.01)
+    near = recede.subdivide(cube, error=0.01)
     assert near.error_estimate <= 0.01 < recede.subdivide(cube, level=near.level - 1).error_estimate
     sharp = recede.subdivide(cube, crease_angle=60)
     assert sharp.crease_edges == 12 and sharp.error_estimate < 1e-12
     one = recede.subdivide(cube, level=1, creases=[(4, 5, 10)], corners=[(0, 10)])
     assert one.crease_edges == 1 and np.allclose(one.mesh.positions[0], corners[0])
     assert recede.subdivide(cube, scheme="loop", level=1).triangulated == 6
-    for wrong in ({"level": 11}, {"scheme": "doo-sabin"}, {"level": 1, "tolerance": 1}, {"creases": [(0, 3, 1)]}):
+    for wrong in ({"level": 11}, {"scheme": "doo-sabin"}, {"level": 1, "error": 1}, {"creases": [(0, 3, 1)]}):
         with pytest.raises(recede.OptionError):
             recede.subdivide(cube, **wrong)
     with pytest.raises(recede.InputError):

@@ -67,7 +67,7 @@ inline std::string bytes_of(const SimplifySoupResult& result) {
   put(result.error_estimate);
   put(result.error_bound.value_or(-1));
   put(result.error_lower);
-  put(result.reason);
+  put(result.stop_reason);
   return bytes;
 }
 
