@@ -17,6 +17,9 @@ TEST(HierarchyFolder, IsFoundFromItselfItsListAndTheFolderAround) {
   fs::create_directories(folder / "out/ball.recede");
   folder.write("out/ball.recede/hierarchy.json", "{}");
   folder.write("out/ball.glb", "");
+  // Of a run that was killed.
+  fs::create_directories(folder / "out/ball.recede.part17");
+  folder.write("out/ball.recede.part17/hierarchy.json", "{}");
   EXPECT_EQ(hierarchy_folder(folder / "out/ball.recede"), folder / "out/ball.recede");
   EXPECT_EQ(hierarchy_folder(folder / "out/ball.recede/hierarchy.json"), folder / "out/ball.recede");
   EXPECT_EQ(hierarchy_folder(folder / "out"), folder / "out/ball.recede");
