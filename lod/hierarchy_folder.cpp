@@ -18,7 +18,8 @@ std::vector<fs::path> hierarchies_in(const fs::path& folder) {
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
     // Others are those of a run that was killed.
-    if (entry.path().extension() == ".recede" && fs::exists(entry.path() / k_list)) found.push_back(entry.path());
+    if (entry.path().extension() == ".recede" && fs::exists(entry.path() / k_list))
+      found.push_back(entry.path());
   }
   if (failed) throw InputError::in_file(folder.string(), failed.message());
   std::sort(found.begin(), found.end());

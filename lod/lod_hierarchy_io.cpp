@@ -3,6 +3,7 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/gltf_writer.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/shading_normals.h>
 #include <recede/lod/detail/map_surface.h>
 #include <recede/lod/lod_hierarchy.h>
 
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numbers>
 
 namespace recede {
 
@@ -115,6 +117,17 @@ int add_billboards(GltfBuilder& builder, const BillboardTextures& textures, std:
   return builder.add_node(mesh, name);
 }
 
+/// Where others have maps a level has normals too: viewers draw facets where there are none.
+PolygonSoup surface_without_maps(const LodHierarchy& hierarchy, const LodLevel& level) {
+  PolygonSoup soup = to_soup(level.mesh);
+  const bool have_others = std::any_of(hierarchy.levels.begin(), hierarchy.levels.end(),
+                                       [](const LodLevel& other) { return other.maps.has_value(); });
+  if (!have_others || !soup.corner_normals.empty()) return soup;
+  constexpr double k_crease_angle = 40 * std::numbers::pi / 180;
+  soup.corner_normals = shading_normals(soup, k_crease_angle);
+  return soup;
+}
+
 int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i) {
   const std::string suffix = fmt::format(" level {}", i), name = hierarchy.name + suffix;
   const LodLevel& level = hierarchy.levels[i];
@@ -122,7 +135,8 @@ int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i
     return add_instances(builder, hierarchy, level, name, suffix);
   if (level.billboards)
     return add_billboards(builder, *level.billboards, i, hierarchy.name + ".recede", name);
-  if (!level.maps) return builder.add_node(builder.add_mesh(to_soup(level.mesh), name), name);
+  if (!level.maps)
+    return builder.add_node(builder.add_mesh(surface_without_maps(hierarchy, level), name), name);
   const std::string folder = hierarchy.name + ".recede";
   const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, folder), name,
                                     {.corner_tangents = level.maps->corner_tangents});

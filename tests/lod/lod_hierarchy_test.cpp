@@ -250,6 +250,23 @@ TEST(LodHierarchy, ANormalMapKeepsTheMaterialsOfTheInput) {
   EXPECT_EQ(with_normals, 2u) << "red, and that of faces without one";
 }
 
+TEST(LodHierarchy, TheInputHasNormalsInTheGlbFileWhereLevelsWithMapsHave) {
+  const test::TempFolder folder;
+  HierarchyOptions options = by_ratios({0.3});
+  const PolygonMesh ball = mesh_of(make_displaced_sphere(1500, true));
+  const auto has_normals = [&](std::size_t level) {
+    const nlohmann::json glb =
+        json_of_glb(write_hierarchy(folder.path(), build_hierarchy(ball, "ball", options)).glb);
+    return glb.at("meshes")[level].at("primitives")[0].at("attributes").contains("NORMAL");
+  };
+  EXPECT_FALSE(has_normals(0));
+  EXPECT_FALSE(has_normals(1));
+  options.maps = MapOptions{.color = false, .size = 64};
+  EXPECT_TRUE(has_normals(0));
+  EXPECT_TRUE(has_normals(1));
+  EXPECT_TRUE(read_soup(folder / "ball.recede/level_0.ply").corner_normals.empty()) << "as it was given";
+}
+
 TEST(LodHierarchy, PolygonsAndNumbersComeBackFromTheFolder) {
   const test::TempFolder folder;
   PolygonSoup soup = make_displaced_sphere(2000, false);
