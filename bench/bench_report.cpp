@@ -98,7 +98,9 @@ std::string defect_cell(const Row& row) {
 }
 
 std::string growth_cell(const Row& row) {
-  return fmt::format("{:.0f}", 1e9 * row.figures->seconds / static_cast<double>(row.input_faces));
+  const auto faces = static_cast<double>(row.input_faces);
+  return fmt::format("{:.0f} ; {:.0f}", 1e9 * row.figures->seconds / faces,
+                     static_cast<double>(row.figures->call_peak_bytes) / faces);
 }
 
 std::string cpu_name() {
@@ -256,8 +258,8 @@ std::string summary_tables(const BenchResults& results) {
     text +=
         table(goal + ", quad models: seconds ; max 1e-3 ; RMS 1e-4 ; quads of all faces", rows, polygon_cell);
   }
-  return text +
-         table("Growth, to 10 % of the faces: nanoseconds per input face", results.growth, growth_cell);
+  return text + table("Growth, to 10 % of the faces: nanoseconds ; bytes per input face", results.growth,
+                      growth_cell);
 }
 
 void write_report(const BenchResults& results, const std::filesystem::path& folder) {

@@ -45,7 +45,7 @@ std::vector<ModelSource> all_models(const std::filesystem::path& data, bool quic
 
 std::vector<ModelSource> growing_models(bool quick) {
   std::vector<ModelSource> models;
-  for (const std::size_t thousands : {10u, 30u, 100u, 300u, 1000u, 2000u, 4000u}) {
+  for (const std::size_t thousands : {10u, 30u, 100u, 300u, 1000u, 2000u, 4000u, 10000u}) {
     if (quick && thousands > 300) break;
     models.push_back(sphere(fmt::format("sphere {}k", thousands), thousands * 1000, true));
   }

@@ -56,7 +56,8 @@ fs::path record_file(const Asset& asset) { return asset.folder / "batch.json"; }
 bool is_done(const Asset& asset, const BatchOptions& options) {
   if (options.again || !fs::exists(record_file(asset))) return false;
   const Json record = Json::parse(read_whole_file(record_file(asset)), nullptr, false);
-  return record.is_object() && record.contains("origin") && record["origin"] == origin_of(asset, options);
+  return record.is_object() && record.contains("origin") &&
+         text_of(record["origin"]) == text_of(origin_of(asset, options));
 }
 
 std::string text_of_list(const std::string& list) {
@@ -224,7 +225,7 @@ class Batch {
                          {"peak_bytes", result.peak_bytes},
                          {"remarks", remarks},
                          {"result", Json::parse(result.output)}};
-    write_file_atomically(record_file(*job.asset), record.dump(2) + "\n");
+    write_file_atomically(record_file(*job.asset), text_of(record));
     ++baked_;
     report(*job.asset, {{"state", "baked"}, {"seconds", result.seconds}, {"peak_bytes", result.peak_bytes}});
   }

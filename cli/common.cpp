@@ -317,6 +317,11 @@ std::string length_text(double length, double diagonal) {
                       : fmt::format("{:.4g}", length);
 }
 
-void print_json(const Json& document) { fmt::print("{}\n", document.dump(2)); }
+std::string text_of(const Json& document) {
+  // Names of files may hold bytes that aren't UTF-8.
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+void print_json(const Json& document) { fmt::print("{}", text_of(document)); }
 
 }  // namespace recede::cli

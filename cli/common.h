@@ -131,7 +131,9 @@ Json box_to_json(const Box3& box);
 /// A length with its share of the diagonal: `0.00123 (0.042 %)`.
 std::string length_text(double length, double diagonal);
 
-/// Prints the document.
+/// The document in lines; bytes that aren't UTF-8 become the replacement character.
+std::string text_of(const Json& document);
+/// Prints it.
 void print_json(const Json& document);
 
 // The commands. Each adds itself to the application; its callback does the work.

@@ -378,7 +378,9 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
                          {"center", {hierarchy.center.x(), hierarchy.center.y(), hierarchy.center.z()}},
                          {"radius", hierarchy.radius},
                          {"levels", levels}};
-  write_file_atomically(staged.path() / "hierarchy.json", document.dump(2) + "\n");
+  // Names may hold bytes that aren't UTF-8.
+  const std::string list = document.dump(2, ' ', false, Json::error_handler_t::replace);
+  write_file_atomically(staged.path() / "hierarchy.json", list + "\n");
   write_file_atomically(files.glb, to_glb(hierarchy));
   staged.commit();
   return files;

@@ -67,6 +67,15 @@ TEST_F(Batch, BakesEachFileOnce) {
   EXPECT_THAT(counts(run_recede(arguments({"--again"}))), ElementsAre(6, 0, 0));
 }
 
+TEST_F(Batch, TakesNamesThatAreNotUtf8) {
+  const std::string file = (folder_ / "ball\xff.ply").string();
+  write_soup(file, make_displaced_sphere(100, true));
+  list_ = folder_.write("list.txt", file + "\n");
+  EXPECT_THAT(counts(run_recede(arguments())), ElementsAre(1, 0, 0));
+  EXPECT_TRUE(fs::exists(folder_ / "out/ball\xff/ball\xff.glb"));
+  EXPECT_THAT(counts(run_recede(arguments())), ElementsAre(0, 1, 0));
+}
+
 TEST_F(Batch, WritesWhatBakeWrites) {
   EXPECT_THAT(counts(run_recede(arguments({"--jobs", "2"}))), ElementsAre(5, 0, 0));
   std::vector<std::string> alone{"bake", folder_ / "ball300.ply", "-o", folder_ / "alone"};

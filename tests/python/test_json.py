@@ -46,7 +46,7 @@ def ball(folder):
 def hierarchy(folder, ball):
     """Of a mesh, with maps and how they look from afar."""
     return check("bake_mesh", document("bake", ball, "-o", folder / "baked", "--faces", 100, "--maps", "normal,displacement",
-                                       "--map-size", 64, "--map-format", "exr", "--appearance", "--no-billboards", "--no-report"))
+                                       "--map-size", 64, "--map-format", "exr", "--appearance", "--no-billboards"))
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,8 @@ def test_fields_that_it_lacks_are_refused(ball):
 
 def test_levels_with_maps(hierarchy):
     check("hierarchy_file", json.loads((pathlib.Path(hierarchy["folder"]) / "hierarchy.json").read_text()))
-    assert [level["faces"] for level in hierarchy["levels"]] == [588, 100]
+    report = check("report_file", json.loads((pathlib.Path(hierarchy["folder"]).parent / "report.json").read_text()))
+    assert [level["faces"] for level in hierarchy["levels"]] == [level["faces"] for level in report["levels"]] == [588, 100]
 
 
 def test_levels_of_billboards(folder):
@@ -164,7 +165,8 @@ def test_of_a_textured_shell(folder, shell):
 
 @pytest.mark.skipif(not recede.can_read_cad(), reason="built without OpenCASCADE")
 def test_of_a_cad_file(folder):
-    check("bake_cad", document("bake", CYLINDER, "-o", folder / "cad", "--relative-errors", "0.01", "0.1", "--no-report"))
+    check("bake_cad", document("bake", CYLINDER, "-o", folder / "cad", "--relative-errors", "0.01", "0.1"))
+    check("report_file", json.loads((folder / "cad/report.json").read_text()))
     check("hierarchy_file", json.loads((folder / "cad/cylinder.recede/hierarchy.json").read_text()))
     check("info", document("info", CYLINDER))
     check("seams", document("seams", CYLINDER))
