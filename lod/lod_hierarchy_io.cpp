@@ -323,9 +323,11 @@ class StagedFolder {
 
   /// Replaces an earlier folder of the same name; when that fails, the earlier one stays.
   void commit() {
+#ifdef RENAME_EXCHANGE  // Linux
     // At no moment without a folder; what was there goes with the stage.
     if (::renameat2(AT_FDCWD, stage_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) return;
-    // There was none, or the file system can't exchange.
+#endif
+    // There was none, or folders can't be exchanged here.
     std::error_code failed;
     const fs::path old = target_.string() + suffix(".old");
     const bool replaces = fs::exists(target_);

@@ -144,7 +144,7 @@ TEST_F(Batch, TellsTheLineOfAListThatIsWrong) {
 
 TEST_F(Batch, EndsAFileThatTakesTooLong) {
   list_ = folder_.write("list.txt", "sphere\n" + text_);
-  // No process starts within a millisecond, and none of these files needs a minute.
+  // No model is baked within a millisecond.
   const CommandResult run = run_recede(arguments({"--timeout", "0.001"}));
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(counts(run), ElementsAre(0, 0, 6));
