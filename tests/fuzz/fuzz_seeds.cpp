@@ -3,6 +3,7 @@
 #include "displaced_planes.h"
 #include "soups.h"
 #include "tiled_surfaces.h"
+#include "uv_sheet.h"
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/pmesh.h>
@@ -15,8 +16,6 @@
 #include <recede/shells/procedural_volumes.h>
 #include <recede/shells/textured_shell_io.h>
 
-#include <array>
-
 namespace recede::test {
 namespace {
 
@@ -26,18 +25,9 @@ fs::path named(const fs::path& folder, const char* stem, const char* extension) 
   return folder / (std::string(stem) + extension);
 }
 
-PolygonSoup waved_sheet() {
-  PolygonSoup soup;
-  constexpr Index k_side = 4;
-  for (Index j = 0; j <= k_side; ++j)
-    for (Index i = 0; i <= k_side; ++i) soup.positions.emplace_back(i, j, i * j % 3);
-  for (Index j = 0; j < k_side; ++j) {
-    for (Index i = 0; i < k_side; ++i) {
-      const Index a = j * (k_side + 1) + i, b = a + k_side + 1;
-      soup.add_face(std::array<Index, 4>{a, a + 1, b + 1, b});
-    }
-  }
-  for (const Index v : soup.corner_vertices) soup.corner_uvs.push_back(soup.positions[v].head<2>() / k_side);
+PolygonSoup saddle() {
+  PolygonSoup soup = uv_sheet(4);
+  for (Vec3& position : soup.positions) position.z() = position.x() * position.y() / 2;
   return soup;
 }
 
@@ -61,7 +51,7 @@ void seed_pmesh(const fs::path& folder, const char* extension) {
   ProgressiveOptions options;
   options.simplify.target.ratio = 0.1;
   options.simplify.prove_error = false;
-  const ProgressiveMesh mesh = build_progressive_mesh(waved_sheet(), options);
+  const ProgressiveMesh mesh = build_progressive_mesh(saddle(), options);
   write_pmesh(named(folder, "a", extension), mesh);
   write_pmesh(named(folder, "b", extension), mesh, {.position_bits = 10, .keep_numbering = true});
 }
@@ -69,9 +59,8 @@ void seed_pmesh(const fs::path& folder, const char* extension) {
 void seed_shell(const fs::path& folder, const char* extension) {
   VolumeMipmap texture;
   texture.surfaces.push_back(make_volume(weave(), 4));
-  const TexturedShell shell{
-      .shell = std::make_shared<const Shell>(build_shell(waved_sheet(), {.thickness = 0.2})),
-      .texture = std::make_shared<const VolumeMipmap>(std::move(texture))};
+  const TexturedShell shell{.shell = std::make_shared<const Shell>(build_shell(saddle(), {.thickness = 0.2})),
+                            .texture = std::make_shared<const VolumeMipmap>(std::move(texture))};
   write_textured_shell(named(folder, "a", extension), shell);
 }
 
@@ -86,8 +75,7 @@ fs::path write_small_hierarchy(const fs::path& folder) {
   HierarchyOptions options;
   options.ratios = {0.5};
   options.measure.samples = 100;
-  return write_hierarchy(folder, build_hierarchy(repair_to_polygon_mesh(waved_sheet()).mesh, "a", options))
-      .folder;
+  return write_hierarchy(folder, build_hierarchy(repair_to_polygon_mesh(saddle()).mesh, "a", options)).folder;
 }
 
 void seed_hierarchy(const fs::path& folder, const char* extension) {
@@ -114,7 +102,7 @@ void seed_appearance(const fs::path& folder, const char* extension) {
 }
 
 void seed_reflectance(const fs::path& folder, const char* extension) {
-  const PolygonSoup model = triangulated(waved_sheet());
+  const PolygonSoup model = triangulated(saddle());
   BillboardOptions options;
   options.errors = {2};
   const BillboardCloud cloud = build_billboard_clouds(model, options).front();
