@@ -1,7 +1,8 @@
 #include "cad_bake.h"
 #include "drawn_levels.h"
 #include <recede/geometry/error.h>
-#include <recede/lod/lod_hierarchy.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/out_of_core.h>
 #include <recede/render/far_level.h>
 #include <recede/render/report.h>
 
@@ -31,6 +32,7 @@ struct BakeOptions {
   SeamGraphOptions seams;          // of CAD files
   std::vector<std::string> given;  // options by name, without those that choose levels
   std::size_t viewer_triangles = ReportOptions{}.viewer_triangles;
+  std::optional<std::size_t> memory;  // bytes
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
 
@@ -212,6 +214,77 @@ void run_for_cad(const BakeOptions& options) {
   bake_cad(std::move(cad));
 }
 
+/// Where `--memory` is less than the faces of the input take.
+bool is_larger_than_memory(const BakeOptions& options) {
+  if (!options.memory || !std::filesystem::exists(options.input)) return false;
+  const std::size_t most = faces_within(*options.memory);
+  const std::optional<std::size_t> n_faces = faces_in_pieces(options.input);
+  if (n_faces) return *n_faces > most;
+  // Of other files only the size is known; a face takes no less than this in any.
+  constexpr std::uintmax_t k_least_per_face = 16;
+  if (std::filesystem::file_size(options.input) / k_least_per_face <= most) return false;
+  throw InputError::in_file(
+      options.input, fmt::format("may have more than {} faces, as many as --memory allows, and can't be "
+                                 "read in pieces; binary PLY and binary STL can",
+                                 most));
+}
+
+void set_default_levels(HierarchyOptions& options) {
+  if (options.faces.empty() && options.ratios.empty() && options.errors.empty() && options.distances.empty())
+    options.ratios = k_default_ratios;
+}
+
+OutOfCoreHierarchy build_in_core(BakeOptions& options, Progress* progress) {
+  Model model = read_model(options.input, progress);
+  require_faces(model, options.input);
+  mark_features(model.read.mesh, options.feature_angle);
+  const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
+  for (const double share : options.relative_errors) options.hierarchy.errors.push_back(share * diagonal);
+  set_default_levels(options.hierarchy);
+  OutOfCoreHierarchy built;
+  built.hierarchy = build_hierarchy(model.read.mesh, model.name, options.hierarchy, progress);
+  built.repairs = std::move(model.read.report);
+  return built;
+}
+
+OutOfCoreHierarchy build_out_of_core(BakeOptions& options, Progress* progress) {
+  if (options.feature_angle > 0) throw OptionError("--feature-angle is for meshes that fit in --memory");
+  if (!options.relative_errors.empty()) {
+    Box3 box;
+    constexpr std::size_t k_piece = 65536;
+    read_soup_in_pieces(
+        options.input, k_piece, [&](const PolygonSoup& piece) { box.extend(bounding_box(piece)); }, progress);
+    for (const double share : options.relative_errors)
+      options.hierarchy.errors.push_back(share * box.diagonal().norm());
+  }
+  set_default_levels(options.hierarchy);
+  std::filesystem::create_directories(options.output);
+  return build_hierarchy_out_of_core(options.input, std::filesystem::path(options.input).stem().string(),
+                                     options.hierarchy,
+                                     {.memory = *options.memory, .scratch = options.output}, progress);
+}
+
+void print_out_of_core(const OutOfCoreHierarchy& built, const BakeOptions& options) {
+  print_remark(
+      fmt::format("{} has {} faces, more than --memory allows; level 0 has {}, and all errors are those "
+                  "to the file",
+                  options.input, built.hierarchy.source_faces, built.hierarchy.levels.front().mesh.n_faces()),
+      options.common);
+  if (!built.left_out.empty()) {
+    print_remark(
+        fmt::format("left out, as they would be finer than level 0: {}", fmt::join(built.left_out, ", ")),
+        options.common);
+  }
+}
+
+Json out_of_core_to_json(const OutOfCoreHierarchy& built) {
+  if (built.hierarchy.source_faces == 0) return nullptr;
+  return {{"faces", built.hierarchy.source_faces},
+          {"chunks", built.chunks},
+          {"passes", built.passes},
+          {"left_out", built.left_out}};
+}
+
 void run(BakeOptions options) {
   const auto start = std::chrono::steady_clock::now();
   check_output_folder(options.output);
@@ -225,16 +298,10 @@ void run(BakeOptions options) {
   hierarchy_options.maps = map_options(options);
   if (options.appearance && !(hierarchy_options.maps && hierarchy_options.maps->displacement))
     throw OptionError("--appearance is that of heights; it needs --maps displacement");
-  Model model = read_model(options.input, &progress);
-  require_faces(model, options.input);
-  mark_features(model.read.mesh, options.feature_angle);
-  const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
-  for (const double share : options.relative_errors) hierarchy_options.errors.push_back(share * diagonal);
-  if (hierarchy_options.faces.empty() && hierarchy_options.ratios.empty() &&
-      hierarchy_options.errors.empty() && hierarchy_options.distances.empty()) {
-    hierarchy_options.ratios = k_default_ratios;
-  }
-  LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
+  OutOfCoreHierarchy built = is_larger_than_memory(options) ? build_out_of_core(options, &progress)
+                                                            : build_in_core(options, &progress);
+  LodHierarchy& hierarchy = built.hierarchy;
+  const double diagonal = summarize(hierarchy.levels.front().mesh).box.diagonal().norm();
   std::vector<FarLevelTrial> trials;
   if (!options.no_billboards) {
     trials = compare_far_levels(hierarchy, {}, &progress);
@@ -252,7 +319,8 @@ void run(BakeOptions options) {
   }
   progress.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  print_repairs(model.read.report, options.common);
+  print_repairs(built.repairs, options.common);
+  if (hierarchy.source_faces > 0) print_out_of_core(built, options);
   if (hierarchy_options.maps && hierarchy_options.maps->color && hierarchy.levels.back().maps &&
       hierarchy.levels.back().maps->color.samples.empty()) {
     print_remark(options.input + " has no colours to bake", options.common);
@@ -274,7 +342,8 @@ void run(BakeOptions options) {
               {"levels", levels},
               {"far_levels", far_levels},
               {"seconds", seconds},
-              {"repairs", repairs_to_json(model.read.report)}});
+              {"repairs", repairs_to_json(built.repairs)},
+              {"out_of_core", out_of_core_to_json(built)}});
 }
 
 }  // namespace
@@ -346,6 +415,13 @@ void add_bake_command(CLI::App& app) {
                  "also writes how heights look from afar, for recede render --appearance")
       ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
+  command
+      ->add_option(
+          "--memory", options->memory,
+          "what the process may take, such as 8G; a larger mesh (binary PLY or STL) is baked in chunks: "
+          "level 0 then has as many faces as fit")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->option_text("SIZE");
   add_seam_options(*command, options->seams, "CAD files");
   command->add_flag("--no-billboards", options->no_billboards,
                     "no billboards as last levels, even where they look better than triangles");

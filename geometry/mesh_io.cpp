@@ -1,6 +1,7 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/detail/cad_format.h>
 #include <recede/geometry/detail/format_io.h>
+#include <recede/geometry/detail/mapped_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 
@@ -50,7 +51,8 @@ PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* p
   PolygonSoup soup;
   {
     // The text goes as soon as it is read: it may be as large as the mesh.
-    const detail::InputFile file{path, path.string(), read_whole_file(path), progress};
+    const std::string content = read_whole_file(path);
+    const detail::InputFile file{path, path.string(), content, progress};
     soup = format.read(file);
   }
   if (soup.positions.empty()) throw InputError::in_file(path.string(), "holds no vertices");
@@ -74,6 +76,31 @@ PolygonSoup read_soup(const fs::path& path, Progress* progress) {
   } catch (const std::bad_alloc&) {
     throw InputError::in_file(path.string(), "doesn't fit in memory");
   }
+}
+
+std::optional<std::size_t> faces_in_pieces(const fs::path& path) {
+  const std::string_view extension = format_of(path).extension;
+  if (extension != ".ply" && extension != ".stl") return {};
+  const detail::MappedFile mapped(path);
+  const detail::InputFile file{path, path.string(), mapped.bytes()};
+  return extension == ".ply" ? detail::ply_faces_in_pieces(file) : detail::stl_faces_in_pieces(file);
+}
+
+void read_soup_in_pieces(const fs::path& path, std::size_t most_faces,
+                         const std::function<void(PolygonSoup)>& take, Progress* progress) {
+  if (most_faces == 0) throw OptionError("a piece needs at least one face");
+  const detail::MappedFile mapped(path);
+  const detail::InputFile file{path, path.string(), mapped.bytes(), progress};
+  if (!faces_in_pieces(path)) file.fail("can't be read in pieces; binary PLY and binary STL can");
+  const auto take_checked = [&](PolygonSoup piece) {
+    clear_undefined_normals(piece);
+    validate(piece, path.string());
+    mapped.release();
+    take(std::move(piece));
+  };
+  const bool is_ply = format_of(path).extension == ".ply";
+  (is_ply ? detail::read_ply_pieces : detail::read_stl_pieces)(file, most_faces, take_checked);
+  report_progress(progress, "read", 1.0);
 }
 
 MeshFromSoup read_mesh(const fs::path& path, Progress* progress) {

@@ -5,6 +5,8 @@
 #include <recede/geometry/progress.h>
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 
 namespace recede {
 
@@ -12,6 +14,17 @@ namespace recede {
 /// turned. Per-vertex texture coordinates and normals of formats without corner attributes are copied to the
 /// corners. Throws `InputError` with line or byte.
 PolygonSoup read_soup(const std::filesystem::path& path, Progress* progress = nullptr);
+
+/// Files that are larger than memory, a piece at a time: binary PLY (vertices first, then faces, no feature
+/// edges) and binary STL. How many faces there will be; nothing for other files, of which `read_soup` makes
+/// one piece. Throws `InputError`.
+std::optional<std::size_t> faces_in_pieces(const std::filesystem::path& path);
+
+/// Calls `take` with the file's faces in turn, `most_faces` or fewer at once over the vertices that they use,
+/// as `read_soup` gives them; vertices without faces aren't met. Memory is needed for a piece, not for the
+/// file, which must not change meanwhile. Throws `InputError`, also for files that can't be read like this.
+void read_soup_in_pieces(const std::filesystem::path& path, std::size_t most_faces,
+                         const std::function<void(PolygonSoup)>& take, Progress* progress = nullptr);
 
 /// `read_soup`, then `repair_to_polygon_mesh`; the report says what each step changed.
 MeshFromSoup read_mesh(const std::filesystem::path& path, Progress* progress = nullptr);

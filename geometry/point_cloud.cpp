@@ -102,7 +102,8 @@ PointCloud read_point_cloud(const std::filesystem::path& path, Progress* progres
   PointCloud cloud;
   PolygonSoup soup;
   if (detail::lower_case_extension(path) == ".ply") {
-    const detail::InputFile file{path, path.string(), read_whole_file(path), progress};
+    const std::string content = read_whole_file(path);
+    const detail::InputFile file{path, path.string(), content, progress};
     soup = detail::read_ply(file, cloud.normals);
     for (Vec3& normal : cloud.normals) {
       if (!normal.allFinite()) normal.setZero();  // as of meshes

@@ -1,4 +1,5 @@
 #include <recede/geometry/error.h>
+#include <recede/lod/detail/hierarchy_checks.h>
 #include <recede/lod/detail/switch_distances.h>
 
 #include <fmt/format.h>
@@ -30,7 +31,9 @@ void check_list(const std::vector<Value>& values, const char* name, InOrder in_o
   }
 }
 
-void check(const HierarchyOptions& options) {
+}  // namespace
+
+void detail::check(const HierarchyOptions& options) {
   const int ways = int(!options.faces.empty()) + int(!options.ratios.empty()) + int(!options.errors.empty()) +
                    int(!options.distances.empty());
   require(ways == 1, "levels are chosen by exactly one of faces, ratios, errors and distances");
@@ -46,6 +49,8 @@ void check(const HierarchyOptions& options) {
   require(view.pixel_error > 0, "the pixel error must be positive");
   require(options.measure.bound_tolerance.has_value(), "a hierarchy needs a certified bound");
 }
+
+namespace {
 
 /// Passes progress on with the level's name in front.
 class LevelProgress final : public Progress {
@@ -168,7 +173,7 @@ void detail::set_switch_distances(LodHierarchy& hierarchy) {
 
 LodHierarchy build_hierarchy(const PolygonMesh& mesh, const std::string& name,
                              const HierarchyOptions& options, Progress* progress) {
-  check(options);
+  detail::check(options);
   if (mesh.n_faces() == 0) throw InputError(name + ": a hierarchy needs a mesh with faces");
   return HierarchyBuilder(mesh, options, progress).build(name);
 }

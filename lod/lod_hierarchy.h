@@ -14,7 +14,8 @@
 
 namespace recede {
 
-/// Deviation of a level from level 0, two-sided, object units.
+/// Deviation of a level from level 0, or from the file that was too large for memory (see out_of_core.h),
+/// two-sided, object units.
 struct LevelError {
   double max = 0;  ///< largest sampled distance
   double rms = 0;  ///< root mean square, pooled over both sides, weighted by area
@@ -45,7 +46,8 @@ struct LodHierarchy {
   ViewSettings view;
   Vec3 center = Vec3::Zero();    ///< of the bounding sphere of level 0
   double radius = 0;             ///< of that sphere
-  std::vector<LodLevel> levels;  ///< finest first; level 0 is the input
+  std::vector<LodLevel> levels;  ///< finest first; level 0 is the input, or as much of it as fits in memory
+  std::size_t source_faces = 0;  ///< of the input when it has more than level 0; else 0
   /// Of an assembly: where the levels' parts are, and what these are called.
   std::vector<CadInstance> instances{};
   std::vector<std::string> part_names{};

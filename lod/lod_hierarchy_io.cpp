@@ -370,16 +370,17 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
     files.map_files.push_back(write_maps(level, i, staged.path(), files.folder));
     levels.push_back(to_json(level, file, files.map_files.back()));
   }
-  const Json document = {{"format", "recede hierarchy"},
-                         {"version", k_format_version},
-                         {"name", hierarchy.name},
-                         {"view",
-                          {{"image_height", hierarchy.view.image_height},
-                           {"field_of_view", hierarchy.view.field_of_view},
-                           {"pixel_error", hierarchy.view.pixel_error}}},
-                         {"center", {hierarchy.center.x(), hierarchy.center.y(), hierarchy.center.z()}},
-                         {"radius", hierarchy.radius},
-                         {"levels", levels}};
+  Json document = {{"format", "recede hierarchy"},
+                   {"version", k_format_version},
+                   {"name", hierarchy.name},
+                   {"view",
+                    {{"image_height", hierarchy.view.image_height},
+                     {"field_of_view", hierarchy.view.field_of_view},
+                     {"pixel_error", hierarchy.view.pixel_error}}},
+                   {"center", {hierarchy.center.x(), hierarchy.center.y(), hierarchy.center.z()}},
+                   {"radius", hierarchy.radius},
+                   {"levels", levels}};
+  if (hierarchy.source_faces > 0) document["source_faces"] = hierarchy.source_faces;
   // Names may hold bytes that aren't UTF-8.
   const std::string list = document.dump(2, ' ', false, Json::error_handler_t::replace);
   write_file_atomically(staged.path() / "hierarchy.json", list + "\n");
@@ -403,6 +404,7 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
     for (Eigen::Index axis = 0; axis < 3; ++axis)
       hierarchy.center[axis] = document.at("center").at(static_cast<std::size_t>(axis));
     hierarchy.radius = document.at("radius");
+    hierarchy.source_faces = document.value("source_faces", std::size_t{0});
     for (const Json& entry : document.at("levels")) {
       LodLevel level;
       PolygonSoup soup = read_soup(folder / entry.at("file").get<std::string>());

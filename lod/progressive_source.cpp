@@ -1,5 +1,6 @@
 #include <recede/geometry/detail/same_positions.h>
 #include <recede/lod/detail/progressive_source.h>
+#include <recede/lod/detail/soup_pieces.h>
 
 #include <algorithm>
 #include <cstring>
@@ -15,21 +16,6 @@ bool visits_vertex_twice(std::span<const Index> face, std::vector<Index>& scratc
   scratch.assign(face.begin(), face.end());
   std::sort(scratch.begin(), scratch.end());
   return std::adjacent_find(scratch.begin(), scratch.end()) != scratch.end();
-}
-
-/// The corners of some faces with all that faces and corners have.
-PolygonSoup take_faces(const PolygonSoup& soup, std::span<const Index> faces) {
-  PolygonSoup result;
-  for (const Index f : faces) {
-    for (Index c = soup.face_offsets[f]; c < soup.face_offsets[f + 1]; ++c) {
-      result.corner_vertices.push_back(soup.corner_vertices[c]);
-      if (!soup.corner_uvs.empty()) result.corner_uvs.push_back(soup.corner_uvs[c]);
-      if (!soup.corner_normals.empty()) result.corner_normals.push_back(soup.corner_normals[c]);
-    }
-    result.face_offsets.push_back(static_cast<Index>(result.corner_vertices.size()));
-    if (!soup.face_materials.empty()) result.face_materials.push_back(soup.face_materials[f]);
-  }
-  return result;
 }
 
 void append_faces(PolygonSoup& soup, const PolygonSoup& more) {

@@ -35,6 +35,7 @@ void RunCounts::add(const RunCounts& other) {
   dropped_parts += other.dropped_parts;
   dropped_faces += other.dropped_faces;
   error = std::max(error, other.error);
+  cost += other.cost;
   for (std::size_t i = 0; i < refused.counts.size(); ++i) refused.counts[i] += other.refused.counts[i];
   log.append(other.log);
 }

@@ -317,6 +317,7 @@ std::optional<Refusal> VolumeSimplifier::carry_out(const CollapsePlan& plan, Ind
   }
   if (table_.is_logged()) counts.log.begin(table_, bench.rings, collapse, deviation);
   counts.add(apply_collapse(table_, collapse));
+  counts.cost += plan.cost;
   if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
   if (table_.is_logged()) counts.log.end(table_, collapse);
   counts.error = std::max(counts.error, deviation);
@@ -406,6 +407,7 @@ bool VolumeSimplifier::attempt_join(const PointPair& pair, float limit, double e
   }
   if (table_.is_logged()) counts.log.begin(table_, bench.rings, collapse, deviation);
   counts.add(apply_collapse(table_, collapse));
+  counts.cost += plan.cost;
   if (plan.sets_attributes) bench.planner.set_attributes(table_, collapse);
   if (table_.is_logged()) counts.log.end(table_, collapse);
   ++counts.joined;

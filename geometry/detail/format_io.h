@@ -8,6 +8,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,11 +17,11 @@
 
 namespace recede::detail {
 
-/// A file in memory, and how to complain about it.
+/// A file in memory, which somebody else owns, and how to complain about it.
 struct InputFile {
   std::filesystem::path path;
   std::string name;  ///< the path as it stands in messages
-  std::string content;
+  std::string_view content;
   Progress* progress = nullptr;
 
   [[noreturn]] void fail(const std::string& reason) const;
@@ -106,6 +108,14 @@ double rounded_to_float(double value);
 bool loses_digits_as_float(const PolygonSoup& soup);
 inline constexpr std::string_view k_rounded_positions =
     "double precision (positions rounded to 32-bit floats)";
+
+/// Formats whose faces can be read a piece at a time: how many there are, nothing for a file of text, which
+/// can't; and the pieces, each over the vertices that it uses. See `read_soup_in_pieces`.
+using TakePiece = std::function<void(PolygonSoup)>;
+std::optional<std::size_t> ply_faces_in_pieces(const InputFile& file);
+std::optional<std::size_t> stl_faces_in_pieces(const InputFile& file);
+void read_ply_pieces(const InputFile& file, std::size_t most_faces, const TakePiece& take);
+void read_stl_pieces(const InputFile& file, std::size_t most_faces, const TakePiece& take);
 
 PolygonSoup read_obj(const InputFile& file);
 PolygonSoup read_ply(const InputFile& file);

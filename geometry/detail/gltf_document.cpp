@@ -23,7 +23,7 @@ constexpr std::uint32_t k_binary_chunk = 0x004e4942;  // "BIN"
 constexpr std::array k_readable_extensions{"KHR_mesh_quantization", "MSFT_lod",         "KHR_lights_punctual",
                                            "KHR_texture_basisu",    "EXT_texture_webp", "KHR_xmp_json_ld"};
 
-std::uint32_t word_at(const std::string& content, std::size_t offset) {
+std::uint32_t word_at(std::string_view content, std::size_t offset) {
   std::uint32_t word = 0;
   if (offset + sizeof word <= content.size()) std::memcpy(&word, content.data() + offset, sizeof word);
   return word;
@@ -153,7 +153,7 @@ GltfDocument::GltfDocument(const InputFile& file) : file_(file) {
 }
 
 void GltfDocument::split_glb() {
-  const std::string& content = file_.content;
+  const std::string_view content = file_.content;
   constexpr std::size_t k_file_header = 12, k_chunk_header = 8;
   if (content.size() < k_file_header + k_chunk_header)
     file_.fail_at_byte(content.size(), "the file ends in its header");

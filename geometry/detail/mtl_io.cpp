@@ -40,7 +40,8 @@ void read_diffuse_colour(TextScanner& scanner, Material& material) {
 }  // namespace
 
 std::vector<Material> read_mtl(const std::filesystem::path& path) {
-  const InputFile file{path, path.string(), read_whole_file(path)};
+  const std::string content = read_whole_file(path);
+  const InputFile file{path, path.string(), content};
   TextScanner scanner(file);
   std::vector<Material> materials;
   for (; !scanner.at_end(); scanner.next_line()) {

@@ -74,6 +74,8 @@ class BinarySource {
   static std::size_t least_size(PlyType type) { return ply_type_size(type); }
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
   std::size_t offset() const { return static_cast<std::size_t>(at_ - file_.content.data()); }
+  /// `offset` must lie in the file.
+  void seek(std::size_t offset) { at_ = file_.content.data() + offset; }
   [[noreturn]] void fail(const std::string& reason) const { file_.fail_at_byte(offset(), reason); }
 
  private:
@@ -147,7 +149,7 @@ class PlyBody {
   PlyBody(const InputFile& file, PlyHeader& header) : file_(file), header_(header), source_(file, header) {}
 
   PolygonSoup read(std::vector<Vec3>& vertex_normals) {
-    soup_.materials = std::move(header_.materials);
+    soup_.materials = header_.materials;
     for (const PlyElement& element : header_.elements) {
       check_count(element);
       if (element.name == "vertex") {
@@ -167,7 +169,59 @@ class PlyBody {
     return soup;
   }
 
+  /// The faces in turn. The vertices must come first, all of one size, so that each can be found.
+  void read_pieces(std::size_t most_faces, const TakePiece& take) {
+    const PlyElement &vertices = *header_.find("vertex"), &faces = *header_.find("face");
+    const std::size_t vertices_offset = source_.offset(), vertex_size = row_size(vertices);
+    check_count(vertices);
+    source_.skip(vertices.count * vertex_size, PlyType::uint8);
+    check_count(faces);
+    const std::vector<FaceList> lists = face_lists(faces);
+    for (std::size_t first = 0; first < faces.count; first += most_faces) {
+      start_piece();
+      reserve_faces(std::min(most_faces, faces.count - first), lists);
+      for (std::size_t face = first; face < std::min(faces.count, first + most_faces); ++face)
+        read_face(face, faces, lists);
+      const std::vector<Index> used = number_anew(soup_.corner_vertices);
+      const std::size_t faces_offset = source_.offset();
+      const std::vector<VertexColumn> columns = vertex_columns(vertices, used.size());
+      for (std::size_t i = 0; i < used.size(); ++i) {
+        source_.seek(vertices_offset + used[i] * vertex_size);
+        read_vertex(i, columns);
+        if (!soup_.positions[i].allFinite())
+          source_.fail(fmt::format("the position of vertex {} isn't finite", used[i]));
+      }
+      source_.seek(faces_offset);
+      take(finish());
+    }
+  }
+
  private:
+  void start_piece() {
+    soup_ = {};
+    soup_.materials = header_.materials;
+    vertex_normals_.clear();
+    vertex_uvs_.clear();
+    corner_lists_ = false;
+  }
+
+  /// Bytes of one row of an element without lists.
+  static std::size_t row_size(const PlyElement& element) {
+    std::size_t size = 0;
+    for (const PlyProperty& property : element.properties) size += ply_type_size(property.type);
+    return size;
+  }
+
+  /// Numbers those that occur from 0 on, in their order, and returns them.
+  static std::vector<Index> number_anew(std::vector<Index>& numbers) {
+    std::vector<Index> used = numbers;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    for (Index& number : numbers)
+      number = static_cast<Index>(std::lower_bound(used.begin(), used.end(), number) - used.begin());
+    return used;
+  }
+
   // The header may promise anything; memory is reserved for what the file can hold.
   void check_count(const PlyElement& element) const {
     if (element.properties.empty()) return;
@@ -197,55 +251,65 @@ class PlyBody {
   }
 
   // A name that occurs twice, as no program writes it, is skipped the second time.
-  void add_scalar(VertexColumn& column, const PlyElement& element) {
+  void add_scalar(VertexColumn& column, std::size_t n_vertices) {
     const std::string& name = column.property.name;
     const auto same = [&](const VertexScalar& scalar) { return scalar.name == name; };
     if (std::any_of(soup_.vertex_scalars.begin(), soup_.vertex_scalars.end(), same)) return;
     column.known = true;
     column.target = Target::scalar;
     column.component = static_cast<int>(soup_.vertex_scalars.size());
-    soup_.vertex_scalars.push_back({name, std::vector<double>(element.count)});
+    soup_.vertex_scalars.push_back({name, std::vector<double>(n_vertices)});
   }
 
-  void read_vertices(const PlyElement& element) {
+  /// Where the properties of vertices go, and lists for so many.
+  std::vector<VertexColumn> vertex_columns(const PlyElement& element, std::size_t n_vertices) {
     std::vector<VertexColumn> columns;
     for (const PlyProperty& property : element.properties) {
       columns.push_back(column_of(property));
-      if (!columns.back().known && !property.is_list) add_scalar(columns.back(), element);
+      if (!columns.back().known && !property.is_list) add_scalar(columns.back(), n_vertices);
       if (!columns.back().known) continue;
-      if (columns.back().target == Target::normal) vertex_normals_.resize(element.count, Vec3::Zero());
-      if (columns.back().target == Target::uv) vertex_uvs_.resize(element.count, Vec2::Zero());
-      if (columns.back().target == Target::color) soup_.vertex_colors.resize(element.count, Vec4::Ones());
+      if (columns.back().target == Target::normal) vertex_normals_.resize(n_vertices, Vec3::Zero());
+      if (columns.back().target == Target::uv) vertex_uvs_.resize(n_vertices, Vec2::Zero());
+      if (columns.back().target == Target::color) soup_.vertex_colors.resize(n_vertices, Vec4::Ones());
     }
     for (const char* name : {"x", "y", "z"}) {
       if (!element.has(name)) source_.fail(fmt::format("vertices have no property '{}'", name));
     }
-    soup_.positions.resize(element.count);
+    soup_.positions.resize(n_vertices);
+    return columns;
+  }
+
+  void read_vertices(const PlyElement& element) {
+    const std::vector<VertexColumn> columns = vertex_columns(element, element.count);
     for (std::size_t vertex = 0; vertex < element.count; ++vertex) {
       progress_.at(source_.offset());
-      for (const VertexColumn& column : columns) {
-        if (!column.known) {
-          skip(column.property);
-          continue;
-        }
-        const double value = source_.next(column.property.type);
-        switch (column.target) {
-          case Target::position:
-            soup_.positions[vertex][column.component] = value;
-            break;
-          case Target::normal:
-            vertex_normals_[vertex][column.component] = value;
-            break;
-          case Target::uv:
-            vertex_uvs_[vertex][column.component] = value;
-            break;
-          case Target::color:
-            soup_.vertex_colors[vertex][column.component] = value / column.scale;
-            break;
-          case Target::scalar:
-            soup_.vertex_scalars[static_cast<std::size_t>(column.component)].values[vertex] = value;
-            break;
-        }
+      read_vertex(vertex, columns);
+    }
+  }
+
+  void read_vertex(std::size_t vertex, const std::vector<VertexColumn>& columns) {
+    for (const VertexColumn& column : columns) {
+      if (!column.known) {
+        skip(column.property);
+        continue;
+      }
+      const double value = source_.next(column.property.type);
+      switch (column.target) {
+        case Target::position:
+          soup_.positions[vertex][column.component] = value;
+          break;
+        case Target::normal:
+          vertex_normals_[vertex][column.component] = value;
+          break;
+        case Target::uv:
+          vertex_uvs_[vertex][column.component] = value;
+          break;
+        case Target::color:
+          soup_.vertex_colors[vertex][column.component] = value / column.scale;
+          break;
+        case Target::scalar:
+          soup_.vertex_scalars[static_cast<std::size_t>(column.component)].values[vertex] = value;
+          break;
       }
     }
   }
@@ -258,7 +322,7 @@ class PlyBody {
     return static_cast<Index>(index);
   }
 
-  void read_faces(const PlyElement& element) {
+  std::vector<FaceList> face_lists(const PlyElement& element) const {
     std::vector<FaceList> lists;
     for (const PlyProperty& property : element.properties) {
       const FaceList list = face_list_of(property);
@@ -268,21 +332,30 @@ class PlyBody {
     if (element.count > 0 && std::count(lists.begin(), lists.end(), FaceList::vertices) != 1) {
       source_.fail("faces need one list property 'vertex_indices'");
     }
-    soup_.face_offsets.reserve(element.count + 1);
-    soup_.corner_vertices.reserve(std::min(3 * element.count, source_.remaining()));
+    return lists;
+  }
+
+  void reserve_faces(std::size_t n, const std::vector<FaceList>& lists) {
+    soup_.face_offsets.reserve(n + 1);
+    soup_.corner_vertices.reserve(std::min(3 * n, source_.remaining()));
     const auto reads = [&lists](FaceList list) {
       return std::find(lists.begin(), lists.end(), list) != lists.end();
     };
-    if (reads(FaceList::uvs)) soup_.corner_uvs.reserve(std::min(3 * element.count, source_.remaining() / 4));
-    if (reads(FaceList::normals))
-      soup_.corner_normals.reserve(std::min(3 * element.count, source_.remaining() / 6));
-    for (std::size_t face = 0; face < element.count; ++face) {
-      progress_.at(source_.offset());
-      face_start_ = soup_.n_corners();
-      for (std::size_t i = 0; i < lists.size(); ++i)
-        read_face_property(face, element.properties[i], lists[i]);
-      pad_corner_lists();
-    }
+    if (reads(FaceList::uvs)) soup_.corner_uvs.reserve(std::min(3 * n, source_.remaining() / 4));
+    if (reads(FaceList::normals)) soup_.corner_normals.reserve(std::min(3 * n, source_.remaining() / 6));
+  }
+
+  void read_faces(const PlyElement& element) {
+    const std::vector<FaceList> lists = face_lists(element);
+    reserve_faces(element.count, lists);
+    for (std::size_t face = 0; face < element.count; ++face) read_face(face, element, lists);
+  }
+
+  void read_face(std::size_t face, const PlyElement& element, const std::vector<FaceList>& lists) {
+    progress_.at(source_.offset());
+    face_start_ = soup_.n_corners();
+    for (std::size_t i = 0; i < lists.size(); ++i) read_face_property(face, element.properties[i], lists[i]);
+    pad_corner_lists();
   }
 
   void read_face_property(std::size_t face, const PlyProperty& property, FaceList list) {
@@ -422,12 +495,45 @@ PolygonSoup read_ply(const InputFile& file) {
   return read_ply(file, vertex_normals);
 }
 
-PolygonSoup read_ply(const InputFile& file, std::vector<Vec3>& vertex_normals) {
+namespace {
+
+PlyHeader checked_header(const InputFile& file) {
   PlyHeader header = read_ply_header(file);
   if (header.find("tristrips") != nullptr) {
     file.fail("triangle strips (element 'tristrips') aren't supported; write the file with faces");
   }
   if (header.find("vertex") == nullptr) file.fail("the header names no element 'vertex'");
+  return header;
+}
+
+}  // namespace
+
+std::optional<std::size_t> ply_faces_in_pieces(const InputFile& file) {
+  const PlyHeader header = checked_header(file);
+  if (header.encoding == PlyHeader::Encoding::ascii) return {};
+  const PlyElement* const faces = header.find("face");
+  return faces == nullptr ? 0 : faces->count;
+}
+
+void read_ply_pieces(const InputFile& file, std::size_t most_faces, const TakePiece& take) {
+  PlyHeader header = checked_header(file);
+  if (header.find("face") == nullptr) return;
+  const auto& elements = header.elements;
+  const auto has_list = [](const PlyProperty& property) { return property.is_list; };
+  if (elements.size() < 2 || elements[0].name != "vertex" || elements[1].name != "face" ||
+      std::any_of(elements[0].properties.begin(), elements[0].properties.end(), has_list)) {
+    file.fail("can't be read in pieces: vertices without lists have to come first, and then the faces");
+  }
+  const PlyElement* const edges = header.find("edge");
+  if (edges != nullptr && edges->count > 0 && edges->has("vertex1") && edges->has("vertex2"))
+    file.fail("can't be read in pieces: it has feature edges");
+  if (header.encoding == PlyHeader::Encoding::big_endian)
+    return PlyBody<BinarySource<true>>(file, header).read_pieces(most_faces, take);
+  PlyBody<BinarySource<false>>(file, header).read_pieces(most_faces, take);
+}
+
+PolygonSoup read_ply(const InputFile& file, std::vector<Vec3>& vertex_normals) {
+  PlyHeader header = checked_header(file);
   switch (header.encoding) {
     case PlyHeader::Encoding::ascii:
       return PlyBody<AsciiSource>(file, header).read(vertex_normals);

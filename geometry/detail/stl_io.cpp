@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t k_header_size = 84;  // 80 bytes of anything, and the number of facets
 constexpr std::size_t k_facet_size = 50;   // normal and three corners of floats, and two spare bytes
 
-std::uint32_t promised_facets(const std::string& content) {
+std::uint32_t promised_facets(std::string_view content) {
   std::uint32_t n = 0;
   std::memcpy(&n, content.data() + 80, sizeof n);
   return n;
@@ -25,12 +25,12 @@ std::uint32_t promised_facets(const std::string& content) {
 
 // Binary files may start with "solid", too. Their size tells them apart, or, when they are cut, bytes that no
 // text has.
-bool is_text(const std::string& content) {
+bool is_text(std::string_view content) {
   const bool has_header = content.size() >= k_header_size;
   if (has_header && content.size() == k_header_size + k_facet_size * promised_facets(content)) return false;
   const std::size_t first = content.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return false;
-  std::string word = content.substr(first, 5);
+  std::string word(content.substr(first, 5));
   for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return word == "solid" && content.find('\0') >= std::min<std::size_t>(content.size(), 512);
 }
@@ -42,8 +42,9 @@ void add_facet(const InputFile& file, PolygonSoup& soup, std::size_t first_verte
   soup.face_offsets.push_back(static_cast<Index>(soup.n_corners()));
 }
 
-PolygonSoup read_binary(const InputFile& file) {
-  const std::string& content = file.content;
+/// The number of facets of a binary file, all of which it holds.
+std::size_t count_facets(const InputFile& file) {
+  const std::string_view content = file.content;
   if (content.size() < k_header_size) {
     file.fail_at_byte(content.size(), "the file ends inside the header of a binary STL file");
   }
@@ -53,20 +54,23 @@ PolygonSoup read_binary(const InputFile& file) {
     file.fail_at_byte(content.size(),
                       fmt::format("the header promises {} facets, but the file ends after {}", n, held));
   }
+  return n;
+}
+
+PolygonSoup read_facets(const InputFile& file, std::size_t first, std::size_t last, ReadProgress& progress) {
   PolygonSoup soup;
-  soup.positions.reserve(3 * n);
-  soup.corner_vertices.reserve(3 * n);
-  soup.face_offsets.reserve(n + 1);
-  ReadProgress progress(file);
-  for (std::size_t facet = 0; facet < n; ++facet) {
+  soup.positions.reserve(3 * (last - first));
+  soup.corner_vertices.reserve(3 * (last - first));
+  soup.face_offsets.reserve(last - first + 1);
+  for (std::size_t facet = first; facet < last; ++facet) {
     const std::size_t offset = k_header_size + k_facet_size * facet;
     progress.at(offset);
     std::array<float, 9> values;
-    std::memcpy(values.data(), content.data() + offset + 3 * sizeof(float), sizeof values);
+    std::memcpy(values.data(), file.content.data() + offset + 3 * sizeof(float), sizeof values);
     for (std::size_t i = 0; i < 9; i += 3) {
       soup.positions.push_back(Eigen::Vector3f(values[i], values[i + 1], values[i + 2]).cast<double>());
     }
-    add_facet(file, soup, 3 * facet);
+    add_facet(file, soup, 3 * (facet - first));
   }
   return soup;
 }
@@ -202,7 +206,28 @@ std::string format_text(const PolygonSoup& soup, const std::vector<Index>& trian
 }  // namespace
 
 PolygonSoup read_stl(const InputFile& file) {
-  return is_text(file.content) ? StlTextReader(file).read() : read_binary(file);
+  if (is_text(file.content)) return StlTextReader(file).read();
+  ReadProgress progress(file);
+  return read_facets(file, 0, count_facets(file), progress);
+}
+
+std::optional<std::size_t> stl_faces_in_pieces(const InputFile& file) {
+  if (is_text(file.content)) return {};
+  return count_facets(file);
+}
+
+void read_stl_pieces(const InputFile& file, std::size_t most_faces, const TakePiece& take) {
+  ReadProgress progress(file);
+  const std::size_t n = count_facets(file);
+  for (std::size_t first = 0; first < n; first += most_faces) {
+    PolygonSoup piece = read_facets(file, first, std::min(n, first + most_faces), progress);
+    for (std::size_t v = 0; v < piece.positions.size(); ++v) {
+      if (piece.positions[v].allFinite()) continue;
+      file.fail_at_byte(k_header_size + k_facet_size * (first + v / 3),
+                        fmt::format("the position of vertex {} isn't finite", 3 * first + v));
+    }
+    take(std::move(piece));
+  }
 }
 
 OutputFile format_stl(const std::filesystem::path&, const PolygonSoup& soup, const WriteOptions& options) {

@@ -21,6 +21,7 @@ struct RunCounts {
   std::size_t collapses = 0, interior_collapses = 0, removed_faces = 0, lost_sides = 0, passes = 0;
   std::size_t joined = 0, dropped_parts = 0, dropped_faces = 0;
   double error = 0;  ///< table units
+  double cost = 0;   ///< of all collapses by an order of costs; `volume`: table units^6
   RefusedCollapses refused;
   CollapseLog log;  ///< empty unless the table is logged
   void add(const CollapseEffect& effect);

@@ -1,0 +1,176 @@
+#include <recede/geometry/error.h>
+#include <recede/geometry/mesh_io.h>
+#include <recede/lod/detail/chunk_distance.h>
+#include <recede/lod/detail/hierarchy_checks.h>
+#include <recede/lod/detail/reduce_chunks.h>
+#include <recede/lod/detail/switch_distances.h>
+#include <recede/lod/out_of_core.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace recede {
+namespace {
+
+// Bytes, measured with spheres of 1 to 8 million faces and a tenth added.
+constexpr std::size_t k_process = std::size_t{96} << 20;  // the program and what its threads keep
+constexpr std::size_t k_least_memory = std::size_t{256} << 20;
+constexpr std::size_t k_per_face = 700;         // of a mesh with its hierarchy
+constexpr std::size_t k_per_chunk_face = 1400;  // of a chunk, beside the levels
+constexpr std::size_t k_piece_faces = 65536;
+
+std::size_t room(std::size_t memory) { return memory > k_process ? memory - k_process : 0; }
+
+/// Files whose faces share no vertices get shared ones.
+void share_vertices(PolygonSoup& piece) {
+  if (piece.positions.size() < piece.n_corners()) return;
+  merge_identical_vertices(piece);
+  remove_unreferenced_vertices(piece);
+}
+
+/// The file's faces in chunks, and what was seen of them on the way.
+struct ChunkedFile {
+  ChunkedFile(const std::filesystem::path& file, std::size_t n_faces, const detail::ChunkLimits& limits,
+              Progress* progress)
+      : sample(n_faces), chunks(limits.folder, cells(file, limits, progress), limits.buffer) {
+    const auto add = [&](PolygonSoup piece) {
+      share_vertices(piece);
+      chunks.add(piece);
+    };
+    read_soup_in_pieces(file, k_piece_faces, add, progress);
+    chunks.finish();
+  }
+
+  detail::MiddleSample sample;
+  Box3 box;
+  detail::ChunkFiles chunks;
+
+ private:
+  detail::SpaceCells cells(const std::filesystem::path& file, const detail::ChunkLimits& limits,
+                           Progress* progress) {
+    const auto look = [&](const PolygonSoup& piece) {
+      sample.add(piece);
+      box.extend(bounding_box(piece));
+    };
+    read_soup_in_pieces(file, k_piece_faces, look, progress);
+    return sample.cells(limits.faces, 0.5);
+  }
+};
+
+/// Moves what level 0 is too coarse for into `left_out`.
+template <typename Value, typename Fits>
+void leave_out(std::vector<Value>& levels, std::vector<double>& left_out, Fits fits) {
+  const auto first_kept = std::find_if(levels.begin(), levels.end(), fits);
+  for (auto level = levels.begin(); level != first_kept; ++level)
+    left_out.push_back(static_cast<double>(*level));
+  levels.erase(levels.begin(), first_kept);
+}
+
+class OutOfCoreBuilder {
+ public:
+  OutOfCoreBuilder(const std::filesystem::path& file, const HierarchyOptions& options,
+                   const OutOfCoreOptions& out_of_core, Progress* progress)
+      : file_(file), options_(options), memory_(out_of_core.memory), progress_(progress) {
+    limits_.folder = out_of_core.scratch;
+    limits_.faces = room(memory_) / 3 / k_per_chunk_face;
+    limits_.buffer = room(memory_) / 8;
+  }
+
+  OutOfCoreHierarchy build(const std::string& name) {
+    const std::optional<std::size_t> n_faces = faces_in_pieces(file_);
+    if (!n_faces)
+      throw InputError::in_file(file_.string(), "can't be read in pieces; binary PLY and binary STL can");
+    if (*n_faces == 0) throw InputError::in_file(file_.string(), "a hierarchy needs a mesh with faces");
+    const ChunkedFile input(file_, *n_faces, limits_, progress_);
+    result_.chunks = input.chunks.n_chunks();
+    const PolygonMesh finest = reduce(input);
+    set_levels(*n_faces, finest, input);
+    result_.hierarchy = build_hierarchy(finest, name, options_, progress_);
+    result_.hierarchy.source_faces = *n_faces;
+    set_errors(input);
+    return std::move(result_);
+  }
+
+ private:
+  PolygonMesh reduce(const ChunkedFile& input) {
+    try {
+      detail::ReducedSurface reduced =
+          detail::reduce_chunks(input.chunks, faces_within(memory_), input.box.sizes().maxCoeff(), limits_,
+                                options_.simplify, progress_);
+      result_.passes = reduced.passes;
+      MeshFromSoup repaired = repair_to_polygon_mesh(std::move(reduced.soup));
+      result_.repairs = std::move(repaired.report);
+      return std::move(repaired.mesh);
+    } catch (const InputError& error) {
+      throw InputError::in_file(file_.string(), error.what());
+    }
+  }
+
+  /// Levels as what is left to do from level 0 on.
+  void set_levels(std::size_t n_faces, const PolygonMesh& finest, const ChunkedFile& input) {
+    for (const double ratio : options_.ratios)
+      options_.faces.push_back(
+          std::max<std::size_t>(1, static_cast<std::size_t>(ratio * static_cast<double>(n_faces))));
+    options_.ratios.clear();
+    for (const double distance : options_.distances)
+      options_.errors.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
+    options_.distances.clear();
+    leave_out(options_.faces, result_.left_out, [&](std::size_t faces) { return faces < finest.n_faces(); });
+    if (!options_.errors.empty()) {
+      // Its own error, and then that to it, are no more together than what is permitted.
+      finest_bound_ = measure({to_soup(finest)}, input).front().bound;
+      leave_out(options_.errors, result_.left_out, [&](double error) { return error > finest_bound_; });
+      for (double& error : options_.errors) error -= finest_bound_;
+    }
+    if (options_.faces.empty() && options_.errors.empty()) {
+      throw OptionError(fmt::format("memory allows {} of {} faces, and no level that is asked for has fewer",
+                                    finest.n_faces(), n_faces));
+    }
+  }
+
+  std::vector<LevelError> measure(const std::vector<PolygonSoup>& levels, const ChunkedFile& input) const {
+    return detail::measure_against_chunks(input.chunks, input.sample.points(), levels, options_.measure,
+                                          progress_);
+  }
+
+  void set_errors(const ChunkedFile& input) {
+    std::vector<LodLevel>& levels = result_.hierarchy.levels;
+    std::vector<PolygonSoup> soups;
+    for (const LodLevel& level : levels) soups.push_back(to_soup(level.mesh));
+    const std::vector<LevelError> errors = measure(soups, input);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const double proved = finest_bound_ + levels[i].error.bound;
+      levels[i].error = errors[i];
+      // With limits, both are proved.
+      if (finest_bound_ > 0)
+        levels[i].error.bound = std::min(errors[i].bound, std::max(proved, errors[i].max));
+    }
+    detail::set_switch_distances(result_.hierarchy);
+  }
+
+  const std::filesystem::path& file_;
+  HierarchyOptions options_;
+  std::size_t memory_;
+  Progress* progress_;
+  detail::ChunkLimits limits_;
+  double finest_bound_ = 0;  // of level 0; only where levels are chosen by errors
+  OutOfCoreHierarchy result_;
+};
+
+}  // namespace
+
+std::size_t faces_within(std::size_t memory) { return room(memory) / k_per_face; }
+
+OutOfCoreHierarchy build_hierarchy_out_of_core(const std::filesystem::path& file, const std::string& name,
+                                               const HierarchyOptions& options,
+                                               const OutOfCoreOptions& out_of_core, Progress* progress) {
+  detail::check(options);
+  if (out_of_core.memory < k_least_memory) throw OptionError("memory must be at least 256 MiB");
+  if (options.simplify.cost != CostPolicy::volume)
+    throw OptionError("meshes that don't fit in memory are simplified by the cost volume");
+  return OutOfCoreBuilder(file, options, out_of_core, progress).build(name);
+}
+
+}  // namespace recede

@@ -1,0 +1,36 @@
+// Hierarchies of meshes that don't fit in memory.
+#pragma once
+
+#include <recede/lod/lod_hierarchy.h>
+
+namespace recede {
+
+struct OutOfCoreOptions {
+  std::size_t memory = std::size_t{4} << 30;  ///< bytes that the process may take, at least 256 MiB
+  std::filesystem::path scratch = ".";        ///< folder for scratch files, some five times the input
+};
+
+/// Faces of a mesh of which `build_hierarchy` and what follows it take so much memory.
+std::size_t faces_within(std::size_t memory);
+
+struct OutOfCoreHierarchy {
+  LodHierarchy hierarchy;  ///< `source_faces` is set
+  RepairReport repairs;    ///< of level 0
+  std::size_t chunks = 0;  ///< that the file was cut into
+  std::size_t passes = 0;  ///< over chunks, until the surface fitted
+  /// Levels that were asked for, but would be no coarser than level 0: faces, or errors in object units.
+  std::vector<double> left_out;
+};
+
+/// The hierarchy of a file that is larger than memory: its level 0 has as many faces as fit, simplified by
+/// `CostPolicy::volume` in chunks that meet without gaps, and the other levels are built from that. Errors of
+/// all levels, 0 too, are those to the file itself, measured chunk by chunk, with proved bounds. The file
+/// must be one that can be read in pieces (see `read_soup_in_pieces`), twice. Same result for any number of
+/// threads. Throws `OptionError` for too little memory, for other costs, and when every level that is asked
+/// for is left out; `InputError`; `Cancelled`.
+OutOfCoreHierarchy build_hierarchy_out_of_core(const std::filesystem::path& file, const std::string& name,
+                                               const HierarchyOptions& options,
+                                               const OutOfCoreOptions& out_of_core,
+                                               Progress* progress = nullptr);
+
+}  // namespace recede
