@@ -9,19 +9,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace recede {
 namespace {
 
-// Bytes, measured with spheres of 1 to 8 million faces and a tenth added.
+// Bytes, as measured with spheres of 1 to 10 million faces, and some more.
 constexpr std::size_t k_process = std::size_t{96} << 20;  // the program and what its threads keep
 constexpr std::size_t k_least_memory = std::size_t{256} << 20;
-constexpr std::size_t k_per_face = 700;         // of a mesh with its hierarchy
-constexpr std::size_t k_per_chunk_face = 1400;  // of a chunk, beside the levels
+constexpr std::size_t k_per_face_in_core = 700;  // of a mesh, with its hierarchy
+// Out of core, three quarters go to the levels, and a quarter to chunks that are measured against them.
+constexpr std::size_t k_per_level_face = 370;
+constexpr std::size_t k_per_chunk_face = 1000;
+/// Faces of all levels over those of level 0, where nothing is known but errors.
+constexpr double k_levels_by_error = 2.5;
 constexpr std::size_t k_piece_faces = 65536;
 
 std::size_t room(std::size_t memory) { return memory > k_process ? memory - k_process : 0; }
+
+/// As many faces as level 0 may have beside levels of `faces` (decreasing).
+std::size_t finest_faces(std::size_t memory, const std::vector<std::size_t>& faces) {
+  const std::size_t most = room(memory) / 4 * 3 / k_per_level_face;
+  if (faces.empty()) return static_cast<std::size_t>(static_cast<double>(most) / k_levels_by_error);
+  std::size_t others = 0;
+  for (auto level = faces.rbegin(); level != faces.rend(); ++level) {
+    // As fine as the next level, or as those before leave room for.
+    if (2 * *level + others > most) return std::clamp(most - others, std::size_t{1}, *level);
+    others += *level;
+  }
+  return most - others;
+}
 
 /// Files whose faces share no vertices get shared ones.
 void share_vertices(PolygonSoup& piece) {
@@ -59,22 +75,13 @@ struct ChunkedFile {
   }
 };
 
-/// Moves what level 0 is too coarse for into `left_out`.
-template <typename Value, typename Fits>
-void leave_out(std::vector<Value>& levels, std::vector<double>& left_out, Fits fits) {
-  const auto first_kept = std::find_if(levels.begin(), levels.end(), fits);
-  for (auto level = levels.begin(); level != first_kept; ++level)
-    left_out.push_back(static_cast<double>(*level));
-  levels.erase(levels.begin(), first_kept);
-}
-
 class OutOfCoreBuilder {
  public:
   OutOfCoreBuilder(const std::filesystem::path& file, const HierarchyOptions& options,
                    const OutOfCoreOptions& out_of_core, Progress* progress)
       : file_(file), options_(options), memory_(out_of_core.memory), progress_(progress) {
     limits_.folder = out_of_core.scratch;
-    limits_.faces = room(memory_) / 3 / k_per_chunk_face;
+    limits_.faces = room(memory_) / 4 / k_per_chunk_face;
     limits_.buffer = room(memory_) / 8;
   }
 
@@ -83,10 +90,19 @@ class OutOfCoreBuilder {
     if (!n_faces)
       throw InputError::in_file(file_.string(), "can't be read in pieces; binary PLY and binary STL can");
     if (*n_faces == 0) throw InputError::in_file(file_.string(), "a hierarchy needs a mesh with faces");
+    for (const double ratio : options_.ratios)
+      options_.faces.push_back(
+          std::max<std::size_t>(1, static_cast<std::size_t>(ratio * static_cast<double>(*n_faces))));
+    options_.ratios.clear();
+    most_faces_ = finest_faces(memory_, options_.faces);
+    if (!options_.faces.empty() && options_.faces.back() >= most_faces_) {
+      throw OptionError(
+          fmt::format("memory allows {} of {} faces, and no level is to have fewer", most_faces_, *n_faces));
+    }
     const ChunkedFile input(file_, *n_faces, limits_, progress_);
     result_.chunks = input.chunks.n_chunks();
     const PolygonMesh finest = reduce(input);
-    set_levels(*n_faces, finest, input);
+    set_levels(finest, input);
     result_.hierarchy = build_hierarchy(finest, name, options_, progress_);
     result_.hierarchy.source_faces = *n_faces;
     set_errors(input);
@@ -96,9 +112,8 @@ class OutOfCoreBuilder {
  private:
   PolygonMesh reduce(const ChunkedFile& input) {
     try {
-      detail::ReducedSurface reduced =
-          detail::reduce_chunks(input.chunks, faces_within(memory_), input.box.sizes().maxCoeff(), limits_,
-                                options_.simplify, progress_);
+      detail::ReducedSurface reduced = detail::reduce_chunks(
+          input.chunks, most_faces_, input.box.sizes().maxCoeff(), limits_, options_.simplify, progress_);
       result_.passes = reduced.passes;
       MeshFromSoup repaired = repair_to_polygon_mesh(std::move(reduced.soup));
       result_.repairs = std::move(repaired.report);
@@ -109,24 +124,27 @@ class OutOfCoreBuilder {
   }
 
   /// Levels as what is left to do from level 0 on.
-  void set_levels(std::size_t n_faces, const PolygonMesh& finest, const ChunkedFile& input) {
-    for (const double ratio : options_.ratios)
-      options_.faces.push_back(
-          std::max<std::size_t>(1, static_cast<std::size_t>(ratio * static_cast<double>(n_faces))));
-    options_.ratios.clear();
+  void set_levels(const PolygonMesh& finest, const ChunkedFile& input) {
     for (const double distance : options_.distances)
       options_.errors.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
     options_.distances.clear();
-    leave_out(options_.faces, result_.left_out, [&](std::size_t faces) { return faces < finest.n_faces(); });
-    if (!options_.errors.empty()) {
-      // Its own error, and then that to it, are no more together than what is permitted.
-      finest_bound_ = measure({to_soup(finest)}, input).front().bound;
-      leave_out(options_.errors, result_.left_out, [&](double error) { return error > finest_bound_; });
-      for (double& error : options_.errors) error -= finest_bound_;
+    while (!options_.faces.empty() && options_.faces.front() >= finest.n_faces()) {
+      if (options_.faces.front() > finest.n_faces())
+        result_.left_out.push_back(static_cast<double>(options_.faces.front()));
+      options_.faces.erase(options_.faces.begin());
     }
-    if (options_.faces.empty() && options_.errors.empty()) {
-      throw OptionError(fmt::format("memory allows {} of {} faces, and no level that is asked for has fewer",
-                                    finest.n_faces(), n_faces));
+    if (options_.errors.empty()) return;
+    // Its own error, and then that to it, are no more together than what is permitted.
+    finest_bound_ = measure({to_soup(finest)}, input).front().bound;
+    while (!options_.errors.empty() && options_.errors.front() <= finest_bound_) {
+      result_.left_out.push_back(options_.errors.front());
+      options_.errors.erase(options_.errors.begin());
+    }
+    for (double& error : options_.errors) error -= finest_bound_;
+    if (options_.errors.empty()) {
+      throw OptionError(
+          fmt::format("memory allows {} faces, which are off by {:.3g}, and no level may be off by more",
+                      finest.n_faces(), finest_bound_));
     }
   }
 
@@ -152,7 +170,7 @@ class OutOfCoreBuilder {
 
   const std::filesystem::path& file_;
   HierarchyOptions options_;
-  std::size_t memory_;
+  std::size_t memory_, most_faces_ = 0;
   Progress* progress_;
   detail::ChunkLimits limits_;
   double finest_bound_ = 0;  // of level 0; only where levels are chosen by errors
@@ -161,7 +179,7 @@ class OutOfCoreBuilder {
 
 }  // namespace
 
-std::size_t faces_within(std::size_t memory) { return room(memory) / k_per_face; }
+std::size_t faces_within(std::size_t memory) { return room(memory) / k_per_face_in_core; }
 
 OutOfCoreHierarchy build_hierarchy_out_of_core(const std::filesystem::path& file, const std::string& name,
                                                const HierarchyOptions& options,

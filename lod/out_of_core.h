@@ -18,7 +18,7 @@ struct OutOfCoreHierarchy {
   RepairReport repairs;    ///< of level 0
   std::size_t chunks = 0;  ///< that the file was cut into
   std::size_t passes = 0;  ///< over chunks, until the surface fitted
-  /// Levels that were asked for, but would be no coarser than level 0: faces, or errors in object units.
+  /// Levels that were asked for, but would be finer than level 0: faces, or errors in object units.
   std::vector<double> left_out;
 };
 

@@ -16,6 +16,8 @@ namespace {
 constexpr double k_pass_share = 0.25;
 /// Each rung has this share of the faces of the one before; the last one, of what a pass leaves on average.
 constexpr double k_rung_step = 0.75, k_least_of_mean = 0.1;
+/// So many times the faces that are wanted are simplified as a whole at the end, past the borders of chunks.
+constexpr double k_end_factor = 1.5;
 /// A pass that leaves more than this share gets nowhere.
 constexpr double k_stuck_share = 0.95;
 
@@ -118,15 +120,20 @@ ReducedSurface reduce_chunks(const ChunkFiles& input, std::size_t most_faces, do
   ReducedSurface result;
   std::unique_ptr<ChunkFiles> own;
   const ChunkFiles* from = &input;
+  const auto room = static_cast<std::size_t>(k_end_factor * static_cast<double>(most_faces));
   for (;;) {
     const std::size_t before = from->n_faces();
     const std::size_t goal =
-        std::max(most_faces, static_cast<std::size_t>(k_pass_share * static_cast<double>(before)));
+        std::max(room, static_cast<std::size_t>(k_pass_share * static_cast<double>(before)));
     Pass pass(*from, goal, side, limits, options);
     pass.run(progress);
     ++result.passes;
-    if (pass.n_faces() <= most_faces) {
+    if (pass.n_faces() <= room) {
       pass.each_chunk([&](const PolygonSoup& soup) { append(result.soup, soup); });
+      SimplifyOptions to_end = options;
+      to_end.target = {.faces = most_faces};
+      to_end.prove_error = false;
+      result.soup = simplify(result.soup, to_end, progress).soup;
       return result;
     }
     if (static_cast<double>(pass.n_faces()) > k_stuck_share * static_cast<double>(before)) {
