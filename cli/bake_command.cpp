@@ -258,10 +258,12 @@ OutOfCoreHierarchy build_out_of_core(BakeOptions& options, Progress* progress) {
       options.hierarchy.errors.push_back(share * box.diagonal().norm());
   }
   set_default_levels(options.hierarchy);
-  std::filesystem::create_directories(options.output);
+  // The output's folder is made when there is something to write.
+  std::filesystem::path scratch = std::filesystem::absolute(options.output);
+  while (!std::filesystem::exists(scratch)) scratch = scratch.parent_path();
   return build_hierarchy_out_of_core(options.input, std::filesystem::path(options.input).stem().string(),
-                                     options.hierarchy,
-                                     {.memory = *options.memory, .scratch = options.output}, progress);
+                                     options.hierarchy, {.memory = *options.memory, .scratch = scratch},
+                                     progress);
 }
 
 void print_out_of_core(const OutOfCoreHierarchy& built, const BakeOptions& options) {

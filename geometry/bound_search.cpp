@@ -262,7 +262,7 @@ std::vector<Interval> certified_intervals(const Surface& from, const Surface& to
                                           const std::vector<Index>& nearest, const BoundGoal& goal) {
   // Nearly all triangles are done after a few steps. Surfaces made of slivers would be cut for hours; the few
   // hard triangles of other surfaces share what is left of the time.
-  constexpr std::size_t k_first_work = 2000, k_most_work = 50'000'000;
+  constexpr std::size_t k_first_work = 2000, k_least_work = 50'000'000, k_work_per_triangle = 200;
   const std::vector<Index> across = triangles_across(to);
   std::vector<Interval> intervals(from.n_triangles());
   std::vector<unsigned char> gave_up(from.n_triangles());
@@ -287,7 +287,9 @@ std::vector<Interval> certified_intervals(const Surface& from, const Surface& to
     if (gave_up[t] != 0) hard.push_back(t);
   }
   if (hard.empty()) return intervals;
-  const std::size_t share = k_most_work / hard.size();
+  const std::size_t most_work =
+      std::max(k_least_work, k_work_per_triangle * (from.n_triangles() + to.n_triangles()));
+  const std::size_t share = most_work / hard.size();
   if (share > k_first_work) run(hard.size(), share, [&](std::size_t i) { return hard[i]; });
   return intervals;
 }

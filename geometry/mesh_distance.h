@@ -14,8 +14,8 @@ struct DistanceOptions {
   /// vertices.
   std::size_t samples = 200'000;
   /// Width of the certified interval relative to its upper end: `max_bound - max_lower <= tolerance *
-  /// max_bound`. Wider, and still true, where that would take more than some fifty million steps: surfaces
-  /// of slivers. Unset: no certified bound is computed.
+  /// max_bound`. Wider, and still true, where that would take more than some fifty million steps, or 200 for
+  /// each triangle: surfaces of slivers. Unset: no certified bound is computed.
   std::optional<double> bound_tolerance{};
   /// When set, with a bound: triangles whose certified distance may be larger are listed in `beyond`, object
   /// units, and no time is spent on telling apart what is smaller.

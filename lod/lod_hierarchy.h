@@ -30,7 +30,7 @@ struct LodLevel {
   double screen_coverage = 1;   ///< share of the image height that the bounding sphere covers there, 0 to 1
   double simplify_seconds = 0;  ///< from the start of the run to this level
   double measure_seconds = 0;
-  std::string stop_reason{};  ///< empty for level 0
+  std::string stop_reason{};  ///< empty for level 0 that is the input
   /// When they were asked for; never for level 0. `maps->surface` is `mesh` with other texture coordinates
   /// and normals.
   std::optional<BakedMaps> maps{};

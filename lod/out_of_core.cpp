@@ -20,15 +20,16 @@ constexpr std::size_t k_per_face_in_core = 700;  // of a mesh, with its hierarch
 // Out of core, three quarters go to the levels, and a quarter to chunks that are measured against them.
 constexpr std::size_t k_per_level_face = 370;
 constexpr std::size_t k_per_chunk_face = 1000;
+/// Times that attributes of a face are there at once.
+constexpr std::size_t k_copies_of_levels = 4, k_copies_in_chunks = 6;
 /// Faces of all levels over those of level 0, where nothing is known but errors.
 constexpr double k_levels_by_error = 2.5;
 constexpr std::size_t k_piece_faces = 65536;
 
 std::size_t room(std::size_t memory) { return memory > k_process ? memory - k_process : 0; }
 
-/// As many faces as level 0 may have beside levels of `faces` (decreasing).
-std::size_t finest_faces(std::size_t memory, const std::vector<std::size_t>& faces) {
-  const std::size_t most = room(memory) / 4 * 3 / k_per_level_face;
+/// As many faces as level 0 may have beside levels of `faces` (decreasing), when there may be `most` in all.
+std::size_t finest_faces(std::size_t most, const std::vector<std::size_t>& faces) {
   if (faces.empty()) return static_cast<std::size_t>(static_cast<double>(most) / k_levels_by_error);
   std::size_t others = 0;
   for (auto level = faces.rbegin(); level != faces.rend(); ++level) {
@@ -46,33 +47,26 @@ void share_vertices(PolygonSoup& piece) {
   remove_unreferenced_vertices(piece);
 }
 
-/// The file's faces in chunks, and what was seen of them on the way.
-struct ChunkedFile {
-  ChunkedFile(const std::filesystem::path& file, std::size_t n_faces, const detail::ChunkLimits& limits,
-              Progress* progress)
-      : sample(n_faces), chunks(limits.folder, cells(file, limits, progress), limits.buffer) {
-    const auto add = [&](PolygonSoup piece) {
-      share_vertices(piece);
-      chunks.add(piece);
-    };
-    read_soup_in_pieces(file, k_piece_faces, add, progress);
-    chunks.finish();
-  }
-
-  detail::MiddleSample sample;
-  Box3 box;
-  detail::ChunkFiles chunks;
-
- private:
-  detail::SpaceCells cells(const std::filesystem::path& file, const detail::ChunkLimits& limits,
-                           Progress* progress) {
+/// What a first look at a file tells.
+struct FileLook {
+  FileLook(const std::filesystem::path& file, std::size_t faces, Progress* progress)
+      : n_faces(faces), sample(faces) {
+    std::size_t bytes = 0;
     const auto look = [&](const PolygonSoup& piece) {
       sample.add(piece);
       box.extend(bounding_box(piece));
+      bytes += piece.corner_uvs.size() * sizeof(Vec2) + piece.corner_normals.size() * sizeof(Vec3) +
+               piece.vertex_colors.size() * sizeof(Vec4) +
+               piece.vertex_scalars.size() * piece.positions.size() * sizeof(double);
     };
     read_soup_in_pieces(file, k_piece_faces, look, progress);
-    return sample.cells(limits.faces, 0.5);
+    attributes = bytes / n_faces;
   }
+
+  std::size_t n_faces;
+  detail::MiddleSample sample;
+  Box3 box;
+  std::size_t attributes = 0;  ///< bytes for each face
 };
 
 class OutOfCoreBuilder {
@@ -81,7 +75,6 @@ class OutOfCoreBuilder {
                    const OutOfCoreOptions& out_of_core, Progress* progress)
       : file_(file), options_(options), memory_(out_of_core.memory), progress_(progress) {
     limits_.folder = out_of_core.scratch;
-    limits_.faces = room(memory_) / 4 / k_per_chunk_face;
     limits_.buffer = room(memory_) / 8;
   }
 
@@ -94,26 +87,47 @@ class OutOfCoreBuilder {
       options_.faces.push_back(
           std::max<std::size_t>(1, static_cast<std::size_t>(ratio * static_cast<double>(*n_faces))));
     options_.ratios.clear();
-    most_faces_ = finest_faces(memory_, options_.faces);
-    if (!options_.faces.empty() && options_.faces.back() >= most_faces_) {
-      throw OptionError(
-          fmt::format("memory allows {} of {} faces, and no level is to have fewer", most_faces_, *n_faces));
-    }
-    const ChunkedFile input(file_, *n_faces, limits_, progress_);
-    result_.chunks = input.chunks.n_chunks();
-    const PolygonMesh finest = reduce(input);
-    set_levels(finest, input);
+    const FileLook look(file_, *n_faces, progress_);
+    set_limits(look);
+    const detail::ChunkFiles chunks = cut(look);
+    result_.chunks = chunks.n_chunks();
+    const PolygonMesh finest = reduce(chunks, look.box.sizes().maxCoeff());
+    set_levels(finest, chunks, look.sample.points());
     result_.hierarchy = build_hierarchy(finest, name, options_, progress_);
-    result_.hierarchy.source_faces = *n_faces;
-    set_errors(input);
+    // It may fit after all, where the levels are few and small.
+    if (finest.n_faces() < *n_faces) {
+      result_.hierarchy.source_faces = *n_faces;
+      set_errors(chunks, look.sample.points());
+    }
     return std::move(result_);
   }
 
  private:
-  PolygonMesh reduce(const ChunkedFile& input) {
+  void set_limits(const FileLook& look) {
+    limits_.faces = room(memory_) / 4 / (k_per_chunk_face + k_copies_in_chunks * look.attributes);
+    most_faces_ = finest_faces(
+        room(memory_) / 4 * 3 / (k_per_level_face + k_copies_of_levels * look.attributes), options_.faces);
+    if (!options_.faces.empty() && options_.faces.back() >= most_faces_) {
+      throw OptionError(fmt::format("memory allows {} of {} faces, and no level is to have fewer",
+                                    most_faces_, look.n_faces));
+    }
+  }
+
+  detail::ChunkFiles cut(const FileLook& look) {
+    detail::ChunkFiles chunks(limits_.folder, look.sample.cells(limits_.faces, 0.5), limits_.buffer);
+    const auto add = [&](PolygonSoup piece) {
+      share_vertices(piece);
+      chunks.add(piece);
+    };
+    read_soup_in_pieces(file_, k_piece_faces, add, progress_);
+    chunks.finish();
+    return chunks;
+  }
+
+  PolygonMesh reduce(const detail::ChunkFiles& chunks, double side) {
     try {
-      detail::ReducedSurface reduced = detail::reduce_chunks(
-          input.chunks, most_faces_, input.box.sizes().maxCoeff(), limits_, options_.simplify, progress_);
+      detail::ReducedSurface reduced =
+          detail::reduce_chunks(chunks, most_faces_, side, limits_, options_.simplify, progress_);
       result_.passes = reduced.passes;
       MeshFromSoup repaired = repair_to_polygon_mesh(std::move(reduced.soup));
       result_.repairs = std::move(repaired.report);
@@ -124,7 +138,8 @@ class OutOfCoreBuilder {
   }
 
   /// Levels as what is left to do from level 0 on.
-  void set_levels(const PolygonMesh& finest, const ChunkedFile& input) {
+  void set_levels(const PolygonMesh& finest, const detail::ChunkFiles& chunks,
+                  const std::vector<Vec3>& points) {
     for (const double distance : options_.distances)
       options_.errors.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
     options_.distances.clear();
@@ -135,7 +150,7 @@ class OutOfCoreBuilder {
     }
     if (options_.errors.empty()) return;
     // Its own error, and then that to it, are no more together than what is permitted.
-    finest_bound_ = measure({to_soup(finest)}, input).front().bound;
+    finest_bound_ = measure({to_soup(finest)}, chunks, points).front().bound;
     while (!options_.errors.empty() && options_.errors.front() <= finest_bound_) {
       result_.left_out.push_back(options_.errors.front());
       options_.errors.erase(options_.errors.begin());
@@ -148,16 +163,16 @@ class OutOfCoreBuilder {
     }
   }
 
-  std::vector<LevelError> measure(const std::vector<PolygonSoup>& levels, const ChunkedFile& input) const {
-    return detail::measure_against_chunks(input.chunks, input.sample.points(), levels, options_.measure,
-                                          progress_);
+  std::vector<LevelError> measure(const std::vector<PolygonSoup>& levels, const detail::ChunkFiles& chunks,
+                                  const std::vector<Vec3>& points) const {
+    return detail::measure_against_chunks(chunks, points, levels, options_.measure, progress_);
   }
 
-  void set_errors(const ChunkedFile& input) {
+  void set_errors(const detail::ChunkFiles& chunks, const std::vector<Vec3>& points) {
     std::vector<LodLevel>& levels = result_.hierarchy.levels;
     std::vector<PolygonSoup> soups;
     for (const LodLevel& level : levels) soups.push_back(to_soup(level.mesh));
-    const std::vector<LevelError> errors = measure(soups, input);
+    const std::vector<LevelError> errors = measure(soups, chunks, points);
     for (std::size_t i = 0; i < levels.size(); ++i) {
       const double proved = finest_bound_ + levels[i].error.bound;
       levels[i].error = errors[i];
@@ -165,6 +180,7 @@ class OutOfCoreBuilder {
       if (finest_bound_ > 0)
         levels[i].error.bound = std::min(errors[i].bound, std::max(proved, errors[i].max));
     }
+    levels.front().stop_reason = "as many faces as memory allows";
     detail::set_switch_distances(result_.hierarchy);
   }
 

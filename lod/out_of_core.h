@@ -14,7 +14,7 @@ struct OutOfCoreOptions {
 std::size_t faces_within(std::size_t memory);
 
 struct OutOfCoreHierarchy {
-  LodHierarchy hierarchy;  ///< `source_faces` is set
+  LodHierarchy hierarchy;  ///< `source_faces` is set unless level 0 is the whole file
   RepairReport repairs;    ///< of level 0
   std::size_t chunks = 0;  ///< that the file was cut into
   std::size_t passes = 0;  ///< over chunks, until the surface fitted

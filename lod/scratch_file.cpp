@@ -17,7 +17,9 @@ ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) 
   ::unlink(name.c_str());
 }
 
-ScratchFile::~ScratchFile() { ::close(file_); }
+ScratchFile::~ScratchFile() {
+  if (file_ >= 0) ::close(file_);
+}
 
 void ScratchFile::fail(int error) const {
   throw InputError::in_file(folder_.string(), std::string("scratch file: ") + std::strerror(error));

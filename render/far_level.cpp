@@ -281,6 +281,11 @@ std::size_t append_far_levels(LodHierarchy& hierarchy, std::vector<FarLevelTrial
     if (!trial.takes_billboards || !trial.cloud) continue;
     LodLevel level = billboard_level(model, std::move(*trial.cloud), "", progress);
     trial.cloud.reset();
+    // Level 0 may be off itself: of a file that is larger than memory.
+    const LevelError& of_finest = hierarchy.levels[0].error;
+    level.error.max += of_finest.max;
+    level.error.rms += of_finest.rms;
+    level.error.bound += of_finest.bound;
     // Behind a level that serves from farther away nobody would see it.
     std::size_t n_replaced = 0;
     for (; hierarchy.levels.size() > 1 && hierarchy.levels.back().error.bound > level.error.bound;

@@ -170,6 +170,13 @@ std::string header(const ReportContent& content) {
       "<p>{} faces, {} vertices, bounding box diagonal {} object units. {} levels in <b>{}</b>.</p>\n",
       grouped(input.faces), grouped(input.vertices), short_number(content.diagonal), content.levels.size(),
       escape_markup(content.files.glb.filename().string()));
+  if (hierarchy.source_faces > 0) {
+    html += fmt::format(
+        "<p>The input has {} faces, more than memory allowed. Errors are those to all of them; pictures and "
+        "the "
+        "viewer compare with level 0.</p>\n",
+        grouped(hierarchy.source_faces));
+  }
   html += fmt::format(
       "<p class=\"faint\">Switch distances hold for an image {} pixels high, a vertical field of view of "
       "{:.4g} degrees and {:.4g} {} of permitted error.</p>\n",

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace recede::detail {
 
@@ -13,8 +14,9 @@ class ScratchFile {
   /// In a folder that exists. Throws `InputError` with the system's reason, as all functions do.
   explicit ScratchFile(const std::filesystem::path& folder);
   ~ScratchFile();
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
+  ScratchFile(ScratchFile&& other) noexcept
+      : folder_(std::move(other.folder_)), file_(std::exchange(other.file_, -1)), size_(other.size_) {}
+  ScratchFile& operator=(ScratchFile&&) = delete;
 
   /// A place in the file.
   struct Extent {

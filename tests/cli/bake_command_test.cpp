@@ -1,6 +1,7 @@
 // `recede bake`: the levels, the files, and what the GLB says of them.
 #include "run_recede.h"
 #include <recede/geometry/exr.h>
+#include <recede/geometry/mesh_io.h>
 
 #include <algorithm>
 #include <cmath>
@@ -294,6 +295,57 @@ TEST(BakeCommand, SaysWhyALevelStoppedShortOfItsRatio) {
   const json levels = bake_sphere(folder, {"--ratios", "0.5", "0.0001", "--no-report"}).at("levels");
   EXPECT_EQ(levels[1].at("stop_reason"), "face target reached");
   EXPECT_EQ(levels[2].at("stop_reason"), "no permitted collapse left");
+}
+
+TEST(BakeCommand, BakesInChunksWhatIsLargerThanMemory) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 400'000);
+  const CommandResult run =
+      run_recede({"bake", sphere, "-o", folder / "out", "--json", "--memory", "256M", "--ratios", "0.9",
+                  "0.02", "0.005", "--no-billboards", "--viewer-triangles", "10000"});
+  EXPECT_THAT(run.remarks, HasSubstr("faces, more than --memory allows; level 0 has"));
+  EXPECT_THAT(run.remarks, HasSubstr("left out, as they would be finer than level 0: 36"));
+  const json result = json_of(run);
+  const json& levels = result.at("levels");
+  ASSERT_EQ(levels.size(), 3u);
+  EXPECT_GE(result.at("out_of_core").at("faces"), 400'000);
+  EXPECT_GT(result.at("out_of_core").at("chunks"), 1);
+  EXPECT_EQ(result.at("out_of_core").at("left_out").size(), 1u);
+  EXPECT_LT(levels[0].at("faces"), 340'000);
+  EXPECT_GT(levels[0].at("error").at("bound"), 0);
+  EXPECT_EQ(levels[0].at("stop_reason"), "as many faces as memory allows");
+  EXPECT_EQ(levels[0].at("switch_distance"), 0);
+  expect_levels_in_order(levels);
+  EXPECT_THAT(read_whole_file(folder / "out/report.html"), HasSubstr("more than memory allowed"));
+  EXPECT_THAT(names_below(folder / "out"), testing::Not(testing::Contains(HasSubstr("scratch"))));
+  // Where it fits, nothing is different.
+  const std::string small = write_sphere(folder, 1000);
+  const json fits = json_of(run_recede(
+      {"bake", small, "-o", folder / "fits", "--json", "--memory", "1G", "--no-report", "--no-billboards"}));
+  EXPECT_TRUE(fits.at("out_of_core").is_null());
+  EXPECT_EQ(fits.at("levels")[0].at("error").at("bound"), 0);
+}
+
+TEST(BakeCommand, SaysWhatMemoryCantDo) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 300'000);
+  const auto complaint = [&](std::vector<std::string> more, int code) {
+    more.insert(more.begin(), {"bake", sphere, "-o", folder / "out"});
+    const std::string text = complaint_of(run_recede(more), code);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+    return text;
+  };
+  EXPECT_THAT(complaint({"--memory", "10M"}, 2), HasSubstr("memory must be at least 256 MiB"));
+  EXPECT_THAT(complaint({"--memory", "much"}, 2), HasSubstr("--memory"));
+  EXPECT_THAT(complaint({"--memory", "256M", "--ratios", "0.9"}, 2), HasSubstr("no level is to have fewer"));
+  EXPECT_THAT(complaint({"--memory", "256M", "--feature-angle", "30"}, 2), HasSubstr("--feature-angle"));
+  // Text can't be read in pieces.
+  const std::string text = folder / "text.obj";
+  write_soup(text, read_soup(sphere));
+  EXPECT_THAT(complaint_of(run_recede({"bake", text, "-o", folder / "out", "--memory", "256M"}), 1),
+              HasSubstr("text.obj: may have more than"));
+  std::filesystem::resize_file(sphere, std::filesystem::file_size(sphere) - 10);
+  EXPECT_THAT(complaint({"--memory", "256M"}, 1), HasSubstr("sphere.ply: byte"));
 }
 
 }  // namespace

@@ -44,6 +44,13 @@ void take_soup(const fs::path& file) {
   validate(to_soup(repair_to_polygon_mesh(soup).mesh), "what was repaired");
 }
 
+void take_pieces(const fs::path& file) {
+  if (!faces_in_pieces(file)) return;
+  std::size_t n = 0;
+  read_soup_in_pieces(file, 7, [&](const PolygonSoup& piece) { n += piece.n_faces(); });
+  require(n == faces_in_pieces(file), "as many faces as were promised");
+}
+
 void take_points(const fs::path& file) { validate(read_point_cloud(file), "what was read"); }
 
 void take_pmesh(const fs::path& file) {
@@ -107,6 +114,8 @@ constexpr Reader k_readers[] = {
     {"obj", ".obj", take_soup, seed_soup},
     {"ply", ".ply", take_soup, seed_soup},
     {"stl", ".stl", take_soup, seed_soup},
+    {"ply-pieces", ".ply", take_pieces, seed_soup},
+    {"stl-pieces", ".stl", take_pieces, seed_soup},
     {"off", ".off", take_soup, seed_soup},
     {"gltf", ".gltf", take_soup, seed_soup},
     {"glb", ".glb", take_soup, seed_soup},
