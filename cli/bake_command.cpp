@@ -20,7 +20,6 @@ struct BakeOptions {
   CommonOptions common;
   std::string input, output;
   HierarchyOptions hierarchy;
-  std::vector<double> relative_errors;
   double field_of_view = 45;  // degrees
   double feature_angle = 0;
   std::string up;
@@ -33,8 +32,6 @@ struct BakeOptions {
   std::size_t viewer_triangles = ReportOptions{}.viewer_triangles;
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
-
-const std::vector<double> k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
 
 Json maps_to_json(const LodLevel& level, const MapFiles& files) {
   if (!level.maps) return nullptr;
@@ -200,16 +197,15 @@ void run_for_cad(const BakeOptions& options) {
     if (std::find(k_options_of_cad.begin(), k_options_of_cad.end(), name) == k_options_of_cad.end())
       throw OptionError(name + " is for meshes, not for CAD files");
   }
-  CadBakeOptions cad{options.common,    options.input,           options.output, options.up, {}, {}, {},
-                     options.no_report, options.viewer_triangles};
+  CadBakeOptions cad{options.common,    options.input,           options.output, options.up, {}, options.no_report, options.viewer_triangles};
   cad.hierarchy.errors = options.hierarchy.errors;
   cad.hierarchy.view = options.hierarchy.view;
   cad.hierarchy.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
   cad.hierarchy.gap = options.seams.gap;
   cad.hierarchy.use_connectivity = options.seams.use_connectivity;
-  cad.relative_errors = options.relative_errors;
-  cad.distances = options.hierarchy.distances;
-  bake_cad(std::move(cad));
+  cad.hierarchy.relative_errors = options.hierarchy.relative_errors;
+  cad.hierarchy.distances = options.hierarchy.distances;
+  bake_cad(cad);
 }
 
 void run(BakeOptions options) {
@@ -229,11 +225,6 @@ void run(BakeOptions options) {
   require_faces(model, options.input);
   mark_features(model.read.mesh, options.feature_angle);
   const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
-  for (const double share : options.relative_errors) hierarchy_options.errors.push_back(share * diagonal);
-  if (hierarchy_options.faces.empty() && hierarchy_options.ratios.empty() &&
-      hierarchy_options.errors.empty() && hierarchy_options.distances.empty()) {
-    hierarchy_options.ratios = k_default_ratios;
-  }
   LodHierarchy hierarchy = build_hierarchy(model.read.mesh, model.name, hierarchy_options, &progress);
   std::vector<FarLevelTrial> trials;
   if (!options.no_billboards) {
@@ -302,7 +293,7 @@ void add_bake_command(CLI::App& app) {
   choice->add_option("--faces", hierarchy.faces, "at most so many faces, decreasing");
   choice->add_option("--ratios", hierarchy.ratios, "the same as shares of the input's faces");
   choice->add_option("--errors", hierarchy.errors, "certified error bounds, increasing, object units");
-  choice->add_option("--relative-errors", options->relative_errors,
+  choice->add_option("--relative-errors", hierarchy.relative_errors,
                      "the same as shares of the diagonal (0.01 = 1 %)");
   choice->add_option("--distances", hierarchy.distances,
                      "camera distances, increasing; errors follow from the view");

@@ -52,10 +52,12 @@ struct LodHierarchy {
 };
 
 struct HierarchyOptions {
-  /// Exactly one of the four ways to choose levels; the input itself is always level 0 and not named here.
+  /// At most one of the five ways to choose levels; without one, ratios 0.5, 0.25, 0.1, 0.03 and 0.01. The
+  /// input itself is always level 0 and not named here.
   std::vector<std::size_t> faces{};  ///< at most so many, decreasing
   std::vector<double> ratios;        ///< face counts as shares of the input, decreasing, each in (0, 1)
   std::vector<double> errors;        ///< certified bounds that the levels must keep, increasing, object units
+  std::vector<double> relative_errors{};  ///< the same as shares of the box's diagonal
   std::vector<double>
       distances;  ///< camera distances, increasing, object units: error = what `view` permits there
   ViewSettings view;

@@ -31,9 +31,12 @@ from ._recede import (
     BakeResult,
     BillboardCloud,
     BillboardReflectance,
+    CadGap,
     CadInstance,
+    CadLevel,
     CadModel,
     CadPart,
+    CadSeams,
     Cancelled,
     DicedView,
     Distance,
@@ -72,7 +75,7 @@ from .volumes import carve, fill_shell, make_volume, move_matter, read_textured_
 
 __all__ = [
     "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud",
-    "BillboardReflectance", "CadInstance", "CadModel", "CadPart", "Cancelled", "DicedView", "DirectionalLight",
+    "BillboardReflectance", "CadGap", "CadInstance", "CadLevel", "CadModel", "CadPart", "CadSeams", "Cancelled", "DicedView", "DirectionalLight",
     "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph", "Hierarchy", "ImageDifference", "InputError", "Level",
     "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "PointLight",
     "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer", "SimplifyResult",
@@ -266,19 +269,20 @@ def bake_maps(fine: Mesh, coarse: Mesh, *, maps: Sequence[str] = ("displacement"
     return _recede.bake_maps(need_mesh("bake_maps", fine), need_mesh("bake_maps", coarse), settings, progress)
 
 
-def bake(mesh: Mesh, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
+def bake(surface: Mesh | CadModel, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
          ratios: Sequence[float] | None = None, errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
          pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
          map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
-         report: bool = True, billboards: bool = True, progress: Progress | None = None,
-         **options: Any) -> BakeResult:
+         report: bool = True, viewer_triangles: int = 200_000, billboards: bool = True, gap: float = 0,
+         use_connectivity: bool = True, progress: Progress | None = None, **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
 
     Levels are chosen by one of: numbers of `faces`, decreasing, or `ratios` of them (0.5, 0.25, 0.1, 0.03, 0.01 when
     nothing is given); certified `errors`, increasing, or `relative_errors`, shares of the diagonal; camera `distances`,
     increasing, whose errors follow from the view: `image_height` (pixels), vertical `field_of_view` (degrees) and
-    `pixel_error` (pixels). `up` points upwards in the report's pictures. Options are those of `simplify`.
+    `pixel_error` (pixels). `up` points upwards in the report's pictures, in whose viewer levels of more than
+    `viewer_triangles` are left out. Options are those of `simplify`.
 
     `maps` names what of the input is baked onto every coarser level: "displacement", "normal", "color". They have
     `map_size` texels a side; `map_format` "exr" writes heights and normals as floats too. The other options of maps
@@ -286,16 +290,29 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", faces: Sequence[int] 
 
     Where billboards look more like the mesh from far away than triangles of as many bytes they become the last levels;
     `result.far_levels` says why or why not. `billboards` False doesn't try them.
+
+    A CAD model (`read_cad`) becomes triangles of its NURBS surfaces, see docs/cad.md: its levels are chosen by `errors`,
+    `relative_errors` (0.0003, 0.001, 0.003, 0.01, 0.03 when nothing is given) or `distances`, and the first error is that of
+    level 0. `gap` is the widest between patches that is sewn up, units of the model (0: half of the finest error);
+    without `use_connectivity` it is found by position which patches meet, even where the file knows it.
+    `result.cad_levels` and `result.cad_parts` say what became of patches and seams. `faces`, `ratios`, `maps` and options
+    of `simplify` are for meshes only, and raise `OptionError`; there are no billboards.
     """
-    if not (faces or ratios or errors or relative_errors or distances):
-        ratios = (0.5, 0.25, 0.1, 0.03, 0.01)
     levels = {"faces": list(faces or []), "ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
-              "up": list(up), "report": report, "billboards": billboards,
+              "up": list(up), "report": report, "viewer_triangles": viewer_triangles, "billboards": billboards,
+              "gap": gap, "use_connectivity": use_connectivity,
               **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
-    return _recede.bake(need_mesh("bake", mesh), folder, name, levels, settings, feature_angle, progress)
+    if isinstance(surface, CadModel):
+        for option, value in {"faces": faces, "ratios": ratios, "maps": maps, **options}.items():
+            if value is not None and value != ():
+                raise OptionError(f"{option} is for meshes, not for CAD models")
+        return _recede.bake_cad(surface, folder, name, levels, progress)
+    if gap != 0 or not use_connectivity:
+        raise OptionError("gap and use_connectivity are for CAD models")
+    return _recede.bake(need_mesh("bake", surface), folder, name, levels, settings, feature_angle, progress)
 
 
 def read_hierarchy(folder: Path) -> Hierarchy:

@@ -109,9 +109,30 @@ TEST(LodHierarchy, AnErrorThatNothingKeepsRepeatsTheLevelBefore) {
   EXPECT_LE(h.levels[1].error.bound, 1e-9);
 }
 
+TEST(LodHierarchy, RelativeErrorsAreSharesOfTheDiagonal) {
+  const PolygonMesh mesh = mesh_of(make_displaced_sphere(2000, false));
+  HierarchyOptions options;
+  options.relative_errors = {0.01};
+  const LodHierarchy by_shares = build_hierarchy(mesh, "ball", options);
+  const double diagonal = summarize(mesh).box.diagonal().norm();
+  EXPECT_LE(by_shares.levels[1].error.bound, 0.01 * diagonal);
+  options.relative_errors.clear();
+  options.errors = {0.01 * diagonal};
+  EXPECT_EQ(build_hierarchy(mesh, "ball", options).levels[1].mesh.n_faces(),
+            by_shares.levels[1].mesh.n_faces());
+}
+
+TEST(LodHierarchy, HasLevelsWithoutOptions) {
+  const PolygonMesh mesh = mesh_of(make_displaced_sphere(2000, false));
+  const LodHierarchy h = build_hierarchy(mesh, "ball", {});
+  ASSERT_EQ(h.levels.size(), 6u);
+  const double shares[] = {1, 0.5, 0.25, 0.1, 0.03, 0.01};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_LE(h.levels[i].mesh.n_faces(), std::ceil(shares[i] * static_cast<double>(mesh.n_faces()))) << i;
+}
+
 TEST(LodHierarchy, RefusesContradictingOptions) {
   const PolygonMesh mesh = mesh_of(test::grid(2));
-  EXPECT_THROW(build_hierarchy(mesh, "x", {}), OptionError);
   HierarchyOptions both = by_ratios({0.5});
   both.errors = {1};
   EXPECT_THROW(build_hierarchy(mesh, "x", both), OptionError);
