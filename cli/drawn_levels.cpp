@@ -4,6 +4,7 @@
 #include <recede/lod/hierarchy_folder.h>
 #include <recede/lod/lod_selection.h>
 #include <recede/lod/view_dependent_remesh.h>
+#include <recede/render/coverage.h>
 #include <recede/render/image_difference.h>
 #include <recede/shells/textured_shell_io.h>
 
@@ -173,16 +174,30 @@ std::size_t Drawn::choose(const Camera& camera, std::optional<std::size_t> befor
   return level_by_error(hierarchy_, distance, {.view = view, .current = before});
 }
 
-Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
+const Scene& Drawn::scene_for(const Camera& camera, std::size_t level, Progress* progress) {
   // A diced surface is another one for every camera; the others are only looked up.
   if (method_of(level) == Displacement::diced) scenes_[level] = make_diced(camera, level, progress);
   // Which versions of a texture are seen depends on the camera, too.
   if (draws_texture(level)) scenes_[level] = make_textured(camera, level);
-  const Scene& scene = scene_of(level, progress);
+  return scene_of(level, progress);
+}
+
+Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
+  const Scene& scene = scene_for(camera, level, progress);
   if (options_.false_color != FalseColor::samples) return render(scene, camera, rendering_, progress);
   ProgressiveRender picture(scene, camera, rendering_);
   picture.add_samples(options_.samples, progress);
   return heat_map(picture.sample_counts(), options_.samples);
+}
+
+Image Drawn::draw_mask(const Camera& camera, std::size_t level, Progress* progress) {
+  if (options_.ground) scenes_[level].reset();
+  has_ground_ = false;
+  const Image mask =
+      mask_picture(render_coverage(scene_for(camera, level, progress), camera, rendering_, progress));
+  if (options_.ground) scenes_[level].reset();
+  has_ground_ = options_.ground;
+  return mask;
 }
 
 std::optional<PictureShares> Drawn::methods_of(const Camera& camera, std::size_t level) const {
@@ -212,7 +227,7 @@ Displacement Drawn::method_of(std::size_t level) const {
 SceneOptions Drawn::shading() const {
   SceneOptions shading;
   if (options_.flat) shading.crease_angle = 0;
-  if (options_.ground) shading.ground = Ground{.up = up_direction(options_.view.up, options_.input)};
+  if (has_ground_) shading.ground = Ground{.up = up_direction(options_.view.up, options_.input)};
   return shading;
 }
 

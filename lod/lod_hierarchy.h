@@ -93,13 +93,13 @@ struct HierarchyFiles {
 
 /// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds
 /// polygons in double precision and can be read back. Same bytes for the same levels: the seconds that they
-/// took aren't in the files. Maps are PNG files in the folder, to which the GLB refers: `normalTexture` and
-/// `baseColorTexture` of the level's materials, and `extras.recede_displacement` of its mesh with `uri`,
-/// `scale`, `offset` and `space`, and with `exr` where there is one: heights as floats, in object units. Such
-/// a level is written as `BakedMaps::surface`, the GLB with its tangents. Billboards have their colours with
-/// opacity, which the GLB takes as a mask, normals and heights as PNG files; `extras.recede_billboards` of
-/// their mesh names that of heights with `uri`, `range` (object units: black to white is -range to range),
-/// and the cloud's `error`.
+/// took aren't in the files. Maps are PNG files in the folder, and once more inside the GLB, which needs no
+/// other file: `normalTexture` and `baseColorTexture` of the level's materials, and
+/// `extras.recede_displacement` of its mesh with the number of its `image`, `scale`, `offset` and `space`.
+/// Such a level is written as `BakedMaps::surface`, the GLB with its tangents. Billboards have their colours
+/// with opacity, which the GLB takes as a mask, normals and heights as PNG files; `extras.recede_billboards`
+/// of their mesh has the number of that of heights in `image`, `range` (object units: black to white is
+/// -range to range), and the cloud's `error`.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`, maps too, but of what baking met only why there

@@ -6,6 +6,7 @@
 #include "numpy_arrays.h"
 #include "options.h"
 #include "shells.h"
+#include <recede/render/coverage.h>
 #include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
@@ -246,13 +247,19 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
   DisplacedMeshOptions displacement;
   read(from, "subdivision_level", displacement.level);
   const Drawn drawn = read_drawn(surface, from);
+  bool coverage = false;
+  read(from, "coverage", coverage);
+  std::optional<FloatRaster> covered;
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
     const std::vector<Vec3> points = drawn.points();
     const Camera in_front = camera_in_front(points, up, field_of_view, width, height);
     const Camera camera = place_camera(in_front, points, eye, look_at);
-    return render(drawn.scene(camera, displacement, shading), camera, options, p);
+    const Scene scene = drawn.scene(camera, displacement, shading);
+    if (!coverage) return render(scene, camera, options, p);
+    covered = render_coverage(scene, camera, options, p);
+    return Image{};
   });
-  return to_array(image);
+  return covered ? to_array(*covered) : to_array(image);
 }
 
 }  // namespace

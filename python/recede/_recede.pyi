@@ -614,7 +614,7 @@ class RefinementView:
     cull: bool
     back_pixel_error: Optional[float]
     silhouette_pixel_error: Optional[float]
-    max_faces: Optional[int]
+    faces: Optional[int]
     def __init__(self) -> None: ...
 
 class SelectiveMesh:
