@@ -6,6 +6,7 @@
 #include <recede/lod/view_dependent_remesh.h>
 #include <recede/render/coverage.h>
 #include <recede/render/image_difference.h>
+#include <recede/render/volume_levels.h>
 #include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 namespace recede::cli {
 namespace {
@@ -96,7 +98,7 @@ void Drawn::read_input(Progress* progress) {
   const bool has_map = !options_.heights.file.empty();
   if (is_textured_shell(input) && fs::is_regular_file(input)) {
     if (has_map) throw OptionError("--displacement-map is for meshes and hierarchies");
-    shells_.emplace_back(read_textured_shell(input, {}, progress));
+    shells_.emplace_back(read_textured_shell(input, {.make_mipmap = false}, progress));
     mesh_ = shells_[0]->shell->base;
     hierarchy_.levels.emplace_back();
   } else if (!folder_.empty()) {
@@ -104,7 +106,7 @@ void Drawn::read_input(Progress* progress) {
     shells_.resize(hierarchy_.levels.size());
     for (std::size_t level = 0; level < shells_.size(); ++level) {
       if (const fs::path file = shell_file(folder_, level); fs::exists(file))
-        shells_[level] = read_textured_shell(file, {}, progress);
+        shells_[level] = read_textured_shell(file, {.make_mipmap = false}, progress);
     }
     if (!has_map) return;
     for (const LodLevel& level : hierarchy_.levels) {
@@ -296,9 +298,22 @@ Scene Drawn::make_reflecting(std::size_t level) const {
   return Scene(std::span<const PolygonSoup>{}, std::span(&placed, 1), shading());
 }
 
+/// With the levels of its texture that the view needs; where a later one needs more, with all.
+const TexturedShell& Drawn::shell_for(const VolumeView& view, std::size_t level) {
+  TexturedShell& shell = *shells_[level];
+  const int needed = coarsest_level_seen(shell, view);
+  made_levels_.resize(shells_.size());
+  std::optional<int>& made = made_levels_[level];
+  if (made && *made >= needed) return shell;
+  shell.texture = made ? std::make_shared<const VolumeMipmap>(make_mipmap(shell.texture->surfaces.front()))
+                       : with_levels_for(shell, view).texture;
+  made = made ? std::numeric_limits<int>::max() : needed;
+  return shell;
+}
+
 /// Under matter the base is seen, within it what is left of the body.
-Scene Drawn::make_textured(const Camera& camera, std::size_t level) const {
-  PlacedVolume placed{*shells_[level]};
+Scene Drawn::make_textured(const Camera& camera, std::size_t level) {
+  PlacedVolume placed{shell_for(volume_view(camera), level)};
   PolygonSoup solid = placed.textured.shell->base;
   if (placed.textured.side == ShellSide::interior) solid.positions = placed.textured.layer().tops;
   if (options_.matter_color) placed.color = to_vector(*options_.matter_color).cast<float>();

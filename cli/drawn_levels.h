@@ -75,7 +75,8 @@ class Drawn {
   std::shared_ptr<const Appearance> appearance_of(std::size_t level, Progress* progress);
   Scene make_scene(std::size_t level, Progress* progress);
   Scene make_reflecting(std::size_t level) const;
-  Scene make_textured(const Camera& camera, std::size_t level) const;
+  const TexturedShell& shell_for(const VolumeView& view, std::size_t level);
+  Scene make_textured(const Camera& camera, std::size_t level);
   Scene make_diced(const Camera& camera, std::size_t level, Progress* progress);
   void paint(PolygonSoup& soup, std::size_t level) const;
   double level_share(std::size_t level) const;
@@ -89,6 +90,7 @@ class Drawn {
   std::optional<ClosestPointTree> surface_;
   std::vector<std::optional<Scene>> scenes_;
   std::vector<std::optional<TexturedShell>> shells_;  // of levels that are one
+  std::vector<std::optional<int>> made_levels_;       // of their textures: the coarsest
   std::optional<PolygonSoup> mesh_;                   // with heights, instead of levels
   std::optional<DisplacementMap> heights_;            // over it, or over all levels
   std::vector<std::optional<DisplacedBase>> bases_;   // of levels that were diced

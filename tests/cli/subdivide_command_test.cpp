@@ -75,9 +75,9 @@ TEST(SubdivideCommand, RefusesWhatItCannotDo) {
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", folder / "a.xyz"}), 1),
               HasSubstr("unknown kind"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--subdivision-level", "11"}), 2),
-              HasSubstr("--level"));
+              HasSubstr("--subdivision-level"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--error", "-1"}), 2),
-              HasSubstr("tolerance"));
+              HasSubstr("the error must be positive"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", "teapot", "-o", out, "--subdivision-level", "10"}), 2),
               HasSubstr("more than 50000000"));
   EXPECT_THAT(

@@ -173,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"UnknownFootprint", {"dice", "teapot", "--footprint", "round"}, "by_side, mean, none"},
         BadValue{"PictureWithoutPixels", {"dice", "teapot", "--image-width", "0"}, "--image-width"},
         BadValue{"MeshWithoutHeights", {"dice", "teapot"}, "--displacement-map"},
-        BadValue{"LevelAboveTen", {"subdivide", "teapot", "--subdivision-level", "11"}, "--level"},
+        BadValue{"LevelAboveTen", {"subdivide", "teapot", "--subdivision-level", "11"}, "--subdivision-level"},
         BadValue{
             "SharpnessWithoutAngle", {"subdivide", "teapot", "--crease-sharpness", "1"}, "--crease-angle"},
         BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
