@@ -21,7 +21,6 @@ struct BakeOptions {
   CommonOptions common;
   std::string input, output;
   HierarchyOptions hierarchy;
-  std::vector<double> relative_errors;
   double field_of_view = 45;  // degrees
   double feature_angle = 0;
   std::string up;
@@ -35,8 +34,6 @@ struct BakeOptions {
   std::optional<std::size_t> memory;  // bytes
   int map_size = MapOptions{}.size, map_normal_bits = MapOptions{}.normal_bits;
 };
-
-const std::vector<double> k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
 
 Json maps_to_json(const LodLevel& level, const MapFiles& files) {
   if (!level.maps) return nullptr;
@@ -202,16 +199,16 @@ void run_for_cad(const BakeOptions& options) {
     if (std::find(k_options_of_cad.begin(), k_options_of_cad.end(), name) == k_options_of_cad.end())
       throw OptionError(name + " is for meshes, not for CAD files");
   }
-  CadBakeOptions cad{options.common,    options.input,           options.output, options.up, {}, {}, {},
+  CadBakeOptions cad{options.common,    options.input,           options.output, options.up, {},
                      options.no_report, options.viewer_triangles};
   cad.hierarchy.errors = options.hierarchy.errors;
   cad.hierarchy.view = options.hierarchy.view;
   cad.hierarchy.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
   cad.hierarchy.gap = options.seams.gap;
   cad.hierarchy.use_connectivity = options.seams.use_connectivity;
-  cad.relative_errors = options.relative_errors;
-  cad.distances = options.hierarchy.distances;
-  bake_cad(std::move(cad));
+  cad.hierarchy.relative_errors = options.hierarchy.relative_errors;
+  cad.hierarchy.distances = options.hierarchy.distances;
+  bake_cad(cad);
 }
 
 /// Where `--memory` is less than the faces of the input take.
@@ -229,35 +226,18 @@ bool is_larger_than_memory(const BakeOptions& options) {
                                  most));
 }
 
-void set_default_levels(HierarchyOptions& options) {
-  if (options.faces.empty() && options.ratios.empty() && options.errors.empty() && options.distances.empty())
-    options.ratios = k_default_ratios;
-}
-
-OutOfCoreHierarchy build_in_core(BakeOptions& options, Progress* progress) {
+OutOfCoreHierarchy build_in_core(const BakeOptions& options, Progress* progress) {
   Model model = read_model(options.input, progress);
   require_faces(model, options.input);
   mark_features(model.read.mesh, options.feature_angle);
-  const double diagonal = summarize(model.read.mesh).box.diagonal().norm();
-  for (const double share : options.relative_errors) options.hierarchy.errors.push_back(share * diagonal);
-  set_default_levels(options.hierarchy);
   OutOfCoreHierarchy built;
   built.hierarchy = build_hierarchy(model.read.mesh, model.name, options.hierarchy, progress);
   built.repairs = std::move(model.read.report);
   return built;
 }
 
-OutOfCoreHierarchy build_out_of_core(BakeOptions& options, Progress* progress) {
+OutOfCoreHierarchy build_out_of_core(const BakeOptions& options, Progress* progress) {
   if (options.feature_angle > 0) throw OptionError("--feature-angle is for meshes that fit in --memory");
-  if (!options.relative_errors.empty()) {
-    Box3 box;
-    constexpr std::size_t k_piece = 65536;
-    read_soup_in_pieces(
-        options.input, k_piece, [&](const PolygonSoup& piece) { box.extend(bounding_box(piece)); }, progress);
-    for (const double share : options.relative_errors)
-      options.hierarchy.errors.push_back(share * box.diagonal().norm());
-  }
-  set_default_levels(options.hierarchy);
   // The output's folder is made when there is something to write.
   std::filesystem::path scratch = std::filesystem::absolute(options.output);
   while (!std::filesystem::exists(scratch)) scratch = scratch.parent_path();
@@ -373,7 +353,7 @@ void add_bake_command(CLI::App& app) {
   choice->add_option("--faces", hierarchy.faces, "at most so many faces, decreasing");
   choice->add_option("--ratios", hierarchy.ratios, "the same as shares of the input's faces");
   choice->add_option("--errors", hierarchy.errors, "certified error bounds, increasing, object units");
-  choice->add_option("--relative-errors", options->relative_errors,
+  choice->add_option("--relative-errors", hierarchy.relative_errors,
                      "the same as shares of the diagonal (0.01 = 1 %)");
   choice->add_option("--distances", hierarchy.distances,
                      "camera distances, increasing; errors follow from the view");

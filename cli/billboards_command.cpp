@@ -27,7 +27,7 @@ struct BillboardsOptions {
   BillboardTextureOptions textures;
   ViewSettings view;
   double field_of_view = 45;  // degrees
-  std::optional<std::size_t> budget;
+  std::optional<std::size_t> most_bytes;
   int mipmaps = 0;
   bool reflectance = false;
   std::vector<double> relative_errors;
@@ -192,9 +192,9 @@ void write_folder(Made& made, const BillboardsOptions& options,
 Made make(BillboardsOptions& options, Progress* progress) {
   Made made;
   made.model = read_input(options, made.n_points, progress);
-  if (options.budget) {
+  if (options.most_bytes) {
     BillboardTextures best =
-        billboards_within(made.model, *options.budget, options.clouds, options.textures, progress);
+        billboards_within(made.model, *options.most_bytes, options.clouds, options.textures, progress);
     made.clouds.push_back({best.error, best.billboards, best.left_out, options.clouds.is_two_sided});
     std::vector<BillboardTextures> textures;
     textures.push_back(std::move(best));
@@ -365,7 +365,7 @@ void add_billboards_command(CLI::App& app) {
       ->group(textures);
   command
       ->add_option(
-          "--budget", options->budget,
+          "--most-bytes", options->most_bytes,
           "bytes of textures: the cloud of least error that fits, instead of --errors; such as 256kb")
       ->transform(CLI::AsSizeValue(false).description(""))
       ->option_text("BYTES")

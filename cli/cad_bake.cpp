@@ -7,14 +7,6 @@
 namespace recede::cli {
 namespace {
 
-std::vector<double> errors_of(const CadBakeOptions& options, double diagonal) {
-  std::vector<double> errors = options.hierarchy.errors;
-  for (const double share : options.relative_errors) errors.push_back(share * diagonal);
-  for (const double distance : options.distances)
-    errors.push_back(options.hierarchy.view.pixel_error * pixel_footprint(distance, options.hierarchy.view));
-  return errors;
-}
-
 Json level_to_json(const CadHierarchy& cad, const HierarchyFiles& files, std::size_t i) {
   const LodLevel& level = cad.hierarchy.levels[i];
   return {{"level", i},
@@ -97,11 +89,10 @@ Json seams_to_json(const CadSeamReport& report, const std::vector<std::string>& 
           {"gaps", gaps}};
 }
 
-void bake_cad(CadBakeOptions options) {
+void bake_cad(const CadBakeOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   TerminalProgress progress(options.common.quiet);
   const CadModel model = read_cad(options.input, {}, &progress);
-  options.hierarchy.errors = errors_of(options, cad_diagonal(model));
   const std::string name = std::filesystem::path(options.input).stem().string();
   const CadHierarchy cad = build_cad_hierarchy(model, name, options.hierarchy, &progress);
   const HierarchyFiles files = write_hierarchy(options.output, cad.hierarchy);

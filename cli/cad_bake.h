@@ -10,7 +10,6 @@ struct CadBakeOptions {
   CommonOptions common;
   std::string input, output, up;
   CadHierarchyOptions hierarchy;
-  std::vector<double> relative_errors, distances;
   bool no_report = false;
   std::size_t viewer_triangles = 0;
 };
@@ -18,7 +17,7 @@ struct CadBakeOptions {
 /// Adds `--gap` and `--no-connectivity`.
 void add_seam_options(CLI::App& command, SeamGraphOptions& options, const std::string& group);
 
-void bake_cad(CadBakeOptions options);
+void bake_cad(const CadBakeOptions& options);
 
 /// Fields `part`, `patches`, `sewing_points`, `edges_of_file`, `edges_by_position`, `free_edges`,
 /// `crowded_edges`, `turned`, `largest_move` and `gaps`.

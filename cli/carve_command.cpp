@@ -188,7 +188,7 @@ void add_carve_command(CLI::App& app) {
       ->add_option(
           "--size", options->size,
           "texels of the whole layer; else as it has, or where its texture repeats as fine as that, up to "
-          "4096 x 4096")
+          "2048 x 2048")
       ->option_text("S T R");
   add_common_options(*command, options->common);
   command->callback([options] { run(*options); });

@@ -4,7 +4,9 @@
 #include <recede/lod/hierarchy_folder.h>
 #include <recede/lod/lod_selection.h>
 #include <recede/lod/view_dependent_remesh.h>
+#include <recede/render/coverage.h>
 #include <recede/render/image_difference.h>
+#include <recede/render/volume_levels.h>
 #include <recede/shells/textured_shell_io.h>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 namespace recede::cli {
 namespace {
@@ -95,7 +98,7 @@ void Drawn::read_input(Progress* progress) {
   const bool has_map = !options_.heights.file.empty();
   if (is_textured_shell(input) && fs::is_regular_file(input)) {
     if (has_map) throw OptionError("--displacement-map is for meshes and hierarchies");
-    shells_.emplace_back(read_textured_shell(input, {}, progress));
+    shells_.emplace_back(read_textured_shell(input, {.make_mipmap = false}, progress));
     mesh_ = shells_[0]->shell->base;
     hierarchy_.levels.emplace_back();
   } else if (!folder_.empty()) {
@@ -103,7 +106,7 @@ void Drawn::read_input(Progress* progress) {
     shells_.resize(hierarchy_.levels.size());
     for (std::size_t level = 0; level < shells_.size(); ++level) {
       if (const fs::path file = shell_file(folder_, level); fs::exists(file))
-        shells_[level] = read_textured_shell(file, {}, progress);
+        shells_[level] = read_textured_shell(file, {.make_mipmap = false}, progress);
     }
     if (!has_map) return;
     for (const LodLevel& level : hierarchy_.levels) {
@@ -173,16 +176,30 @@ std::size_t Drawn::choose(const Camera& camera, std::optional<std::size_t> befor
   return level_by_error(hierarchy_, distance, {.view = view, .current = before});
 }
 
-Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
+const Scene& Drawn::scene_for(const Camera& camera, std::size_t level, Progress* progress) {
   // A diced surface is another one for every camera; the others are only looked up.
   if (method_of(level) == Displacement::diced) scenes_[level] = make_diced(camera, level, progress);
   // Which versions of a texture are seen depends on the camera, too.
   if (draws_texture(level)) scenes_[level] = make_textured(camera, level);
-  const Scene& scene = scene_of(level, progress);
+  return scene_of(level, progress);
+}
+
+Image Drawn::draw(const Camera& camera, std::size_t level, Progress* progress) {
+  const Scene& scene = scene_for(camera, level, progress);
   if (options_.false_color != FalseColor::samples) return render(scene, camera, rendering_, progress);
   ProgressiveRender picture(scene, camera, rendering_);
   picture.add_samples(options_.samples, progress);
   return heat_map(picture.sample_counts(), options_.samples);
+}
+
+Image Drawn::draw_mask(const Camera& camera, std::size_t level, Progress* progress) {
+  if (options_.ground) scenes_[level].reset();
+  has_ground_ = false;
+  const Image mask =
+      mask_picture(render_coverage(scene_for(camera, level, progress), camera, rendering_, progress));
+  if (options_.ground) scenes_[level].reset();
+  has_ground_ = options_.ground;
+  return mask;
 }
 
 std::optional<PictureShares> Drawn::methods_of(const Camera& camera, std::size_t level) const {
@@ -212,7 +229,7 @@ Displacement Drawn::method_of(std::size_t level) const {
 SceneOptions Drawn::shading() const {
   SceneOptions shading;
   if (options_.flat) shading.crease_angle = 0;
-  if (options_.ground) shading.ground = Ground{.up = up_direction(options_.view.up, options_.input)};
+  if (has_ground_) shading.ground = Ground{.up = up_direction(options_.view.up, options_.input)};
   return shading;
 }
 
@@ -281,9 +298,22 @@ Scene Drawn::make_reflecting(std::size_t level) const {
   return Scene(std::span<const PolygonSoup>{}, std::span(&placed, 1), shading());
 }
 
+/// With the levels of its texture that the view needs; where a later one needs more, with all.
+const TexturedShell& Drawn::shell_for(const VolumeView& view, std::size_t level) {
+  TexturedShell& shell = *shells_[level];
+  const int needed = coarsest_level_seen(shell, view);
+  made_levels_.resize(shells_.size());
+  std::optional<int>& made = made_levels_[level];
+  if (made && *made >= needed) return shell;
+  shell.texture = made ? std::make_shared<const VolumeMipmap>(make_mipmap(shell.texture->surfaces.front()))
+                       : with_levels_for(shell, view).texture;
+  made = made ? std::numeric_limits<int>::max() : needed;
+  return shell;
+}
+
 /// Under matter the base is seen, within it what is left of the body.
-Scene Drawn::make_textured(const Camera& camera, std::size_t level) const {
-  PlacedVolume placed{*shells_[level]};
+Scene Drawn::make_textured(const Camera& camera, std::size_t level) {
+  PlacedVolume placed{shell_for(volume_view(camera), level)};
   PolygonSoup solid = placed.textured.shell->base;
   if (placed.textured.side == ShellSide::interior) solid.positions = placed.textured.layer().tops;
   if (options_.matter_color) placed.color = to_vector(*options_.matter_color).cast<float>();

@@ -56,6 +56,8 @@ class Drawn {
   /// The level for a camera, from the one that was shown before.
   std::size_t choose(const Camera& camera, std::optional<std::size_t> before) const;
   Image draw(const Camera& camera, std::size_t level, Progress* progress);
+  /// White where the level is, without the ground.
+  Image draw_mask(const Camera& camera, std::size_t level, Progress* progress);
   /// By which methods it was drawn; with `--appearance`, for levels with heights.
   std::optional<PictureShares> methods_of(const Camera& camera, std::size_t level) const;
   /// How a level comes into the picture.
@@ -63,6 +65,7 @@ class Drawn {
 
  private:
   SceneOptions shading() const;
+  const Scene& scene_for(const Camera& camera, std::size_t level, Progress* progress);
   const Scene& scene_of(std::size_t level, Progress* progress);
   void read_input(Progress* progress);
   void check_options() const;
@@ -72,19 +75,22 @@ class Drawn {
   std::shared_ptr<const Appearance> appearance_of(std::size_t level, Progress* progress);
   Scene make_scene(std::size_t level, Progress* progress);
   Scene make_reflecting(std::size_t level) const;
-  Scene make_textured(const Camera& camera, std::size_t level) const;
+  const TexturedShell& shell_for(const VolumeView& view, std::size_t level);
+  Scene make_textured(const Camera& camera, std::size_t level);
   Scene make_diced(const Camera& camera, std::size_t level, Progress* progress);
   void paint(PolygonSoup& soup, std::size_t level) const;
   double level_share(std::size_t level) const;
   double error_share(const Vec3& position) const;
 
   const DrawnOptions& options_;
+  bool has_ground_ = options_.ground;
   std::filesystem::path folder_;  // of the hierarchy; empty of a mesh
   LodHierarchy hierarchy_;
   PolygonSoup finest_;
   std::optional<ClosestPointTree> surface_;
   std::vector<std::optional<Scene>> scenes_;
   std::vector<std::optional<TexturedShell>> shells_;  // of levels that are one
+  std::vector<std::optional<int>> made_levels_;       // of their textures: the coarsest
   std::optional<PolygonSoup> mesh_;                   // with heights, instead of levels
   std::optional<DisplacementMap> heights_;            // over it, or over all levels
   std::vector<std::optional<DisplacedBase>> bases_;   // of levels that were diced

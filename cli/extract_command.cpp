@@ -34,6 +34,7 @@ struct ExtractOptions {
   LevelChoice level, morph;
   ViewOptions camera;
   RefinementView view;
+  std::optional<double> image_width;
   bool no_cull = false;
 };
 
@@ -111,6 +112,8 @@ void extract_view(const ExtractOptions& options, const ProgressiveMesh& mesh) {
   view.target = options.camera.look_at ? to_vector(*options.camera.look_at) : middle_of(mesh);
   view.up = up_direction(options.camera.up, options.input);
   view.view.field_of_view = options.camera.field_of_view * std::numbers::pi / 180;
+  if (options.image_width) view.aspect_ratio = *options.image_width / view.view.image_height;
+  view.faces = options.level.faces;
   view.cull = !options.no_cull;
   SelectiveMesh selective(mesh);
   const RefinementReport report = selective.update(view);
@@ -141,7 +144,9 @@ void run(const ExtractOptions& options) {
 CLI::Option_group* add_level(CLI::App& command, const std::string& group, const std::string& prefix,
                              LevelChoice& choice) {
   CLI::Option_group* level = command.add_option_group(group);
-  level->add_option("--" + prefix + "faces", choice.faces, "the finest with at most this many faces");
+  level->add_option("--" + prefix + "faces", choice.faces,
+                    prefix.empty() ? "the finest with at most this many faces; with --eye what is seen best"
+                                   : "the finest with at most this many faces");
   level->add_option("--" + prefix + "ratio", choice.ratio, "the same as a share of all faces, 0 to 1")
       ->check(between(0.0, 1.0));
   level
@@ -163,17 +168,16 @@ void add_view(CLI::App& command, ExtractOptions& options, CLI::Option_group* lev
   for (CLI::Option_group* others : {level, morph}) {
     for (CLI::Option* other :
          others->get_options([&](CLI::Option* o) { return o != others->get_help_ptr(); }))
-      eye->excludes(other);
+      if (other->get_name() != "--faces") eye->excludes(other);
   }
   const auto add = [&](const char* name, auto& value, const char* help) {
     command.add_option(name, value, help)->needs(eye)->group(group);
   };
+  add("--image-width", options.image_width, "pixels (as many as the height)");
   add("--image-height", view.view.image_height, "pixels (1080)");
-  add("--aspect-ratio", view.aspect_ratio, "width of the image over its height (1)");
   add("--pixel-error", view.view.pixel_error, "error that may be seen, pixels (1)");
   add("--back-pixel-error", view.back_pixel_error, "the same for what faces away");
   add("--silhouette-pixel-error", view.silhouette_pixel_error, "the same on silhouettes");
-  add("--max-faces", view.max_faces, "at most this many faces; the largest errors go first");
   command.add_flag("--no-cull", options.no_cull, "detail outside the image too")->needs(eye)->group(group);
 }
 

@@ -82,9 +82,6 @@ void run(const ProgressiveCommandOptions& options) {
   const PolygonSoup soup = read_input(options, &progress);
   ProgressiveOptions progressive = options.progressive;
   progressive.simplify.prove_error = !options.no_measure;
-  SimplifyTarget& target = progressive.simplify.target;
-  constexpr double k_default_ratio = 0.01;
-  if (!target.faces && !target.vertices && !target.ratio) target.ratio = k_default_ratio;
   const ProgressiveMesh mesh = build_progressive_mesh(soup, progressive, &progress);
   PmeshOptions file = options.file;
   if (options.keep_order) file.keep_order = true;
@@ -114,7 +111,7 @@ void add_progressive_command(CLI::App& app) {
   command->add_option("input", options->input, k_input_help)->required();
   command->add_option("-o,--output", options->output, "file to write, .pmesh")->required();
   SimplifyTarget& target = options->progressive.simplify.target;
-  const auto group = "Base (the first that is reached stops; default: --ratio 0.01)";
+  const auto group = "Base (the first that is reached stops; default: as small as it gets)";
   command->add_option("--faces", target.faces, "at most this many faces")->group(group);
   command->add_option("--vertices", target.vertices, "at most this many vertices")->group(group);
   command->add_option("--ratio", target.ratio, "at most this share of the faces, 0 to 1")->group(group);

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 struct RenderCommandOptions : DrawnOptions {
   CommonOptions common;
   std::string output;
+  std::string mask;  // of one picture
 
   // Of a turntable.
   int frames = 36;
@@ -69,6 +70,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 void run_render(const RenderCommandOptions& options) {
   check_image_path(options.output);
+  if (!options.mask.empty()) check_image_path(options.mask);
   const auto start = std::chrono::steady_clock::now();
   TerminalProgress progress(options.common.quiet);
   Drawn drawn(options, &progress);
@@ -76,16 +78,19 @@ void run_render(const RenderCommandOptions& options) {
       camera_of(options.view, options.input, drawn.finest().positions, options.width, options.height);
   const std::size_t level = drawn.choose(camera, std::nullopt);
   write_image(options.output, drawn.draw(camera, level, &progress));
+  if (!options.mask.empty()) write_image(options.mask, drawn.draw_mask(camera, level, &progress));
   progress.clear();
   if (options.common.json) {
     Json document{{"command", "render"}, {"input", options.input}};
     document.update(frame_to_json(drawn, options.output, camera, level));
+    document["mask"] = options.mask.empty() ? Json(nullptr) : Json(options.mask);
     document["seconds"] = seconds_since(start);
     return print_json(document);
   }
   fmt::print("level        {}, {} faces\n", level, drawn.n_faces(level));
   print_methods(drawn.methods_of(camera, level));
   fmt::print("written      {}\n", options.output);
+  if (!options.mask.empty()) fmt::print("mask         {}\n", options.mask);
 }
 
 /// Turns around the target, and goes away evenly in proportion when there is a last distance.
@@ -253,6 +258,8 @@ void add_render_command(CLI::App& app) {
   command->footer("Example:\n  recede render out/dragon.recede -o dragon.png --eye 0 1 3");
   add_picture_options(*command, *options);
   command->add_option("-o,--output", options->output, "picture to write, .png or .exr")->required();
+  command->add_option("--mask", options->mask,
+                      "also writes a picture that is white where the model is seen, for recede diff --mask");
   add_common_options(*command, options->common);
   command->callback([options] { run_render(*options); });
 }

@@ -231,7 +231,7 @@ CLI::Option* add_wrap_option(CLI::App& command, ShellCommandOptions& options) {
 void add_control_mesh_options(CLI::App& command, ShellCommandOptions& options, CLI::Option* wrap) {
   const auto group = "Control meshes";
   CLI::Option* level = command.add_option(
-      "--subdivide", options.level,
+      "--subdivision-level", options.level,
       "the input is a control mesh: builds the shell of its limit surface, refined so many times, 0 to 10");
   level->check(between(0, SubdivisionOptions::k_largest_level))->excludes(wrap)->group(group);
   command

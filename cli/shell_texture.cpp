@@ -4,6 +4,7 @@
 #include <recede/geometry/error.h>
 #include <recede/shells/procedural_volumes.h>
 #include <recede/shells/shell_edit.h>
+#include <recede/shells/texture_repeat.h>
 
 namespace recede::cli {
 namespace {
@@ -33,9 +34,10 @@ void add_shell_texture_options(CLI::App& command, ShellTextureOptions& options) 
   texture->transform(one_of_names({"chain-mail", "weave", "bark", "bubbles", "bushes", "solid", "empty"}))
       ->group(group);
   command
-      .add_option("--periods", options.periods,
-                  "of the texture across the texture coordinates from 0 to 1 (10); along t as many as keep "
-                  "its shape")
+      .add_option(
+          "--periods", options.periods,
+          "of the texture across the texture coordinates from 0 to 1, and along t as many as keep its "
+          "shape (as many as the layer is thick for)")
       ->check(above_zero())
       ->needs(texture)
       ->group(group);
@@ -83,7 +85,9 @@ TexturedShell textured_shell(std::shared_ptr<const Shell> shell, ShellSide side,
   }
   const ProceduralVolume volume = procedural(options);
   textured.texture = finest_only(make_volume(volume, options.texels.value_or(k_texels_of_period), progress));
-  textured.coordinates.repeat = {options.periods, options.periods * volume.extent.x() / volume.extent.y()};
+  textured.coordinates.repeat =
+      options.periods ? Vec2(*options.periods, *options.periods * volume.extent.x() / volume.extent.y())
+                      : proportionate_repeat(*textured.shell, side, volume.extent);
   return textured;
 }
 

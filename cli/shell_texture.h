@@ -8,7 +8,7 @@ namespace recede::cli {
 
 struct ShellTextureOptions {
   std::string name;  ///< empty: none
-  double periods = 10;
+  std::optional<double> periods;
   std::optional<int> texels;
   int layers = 16;  ///< of `empty` and `solid`, texels along r
   std::uint32_t seed = 1;

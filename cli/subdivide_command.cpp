@@ -127,10 +127,11 @@ void add_subdivide_command(CLI::App& app) {
   command->add_option("--scheme", subdivision.scheme, "catmull-clark (default) or loop, for triangles")
       ->transform(one_of<SubdivisionScheme>(
           {{"catmull-clark", SubdivisionScheme::catmull_clark}, {"loop", SubdivisionScheme::loop}}));
-  CLI::Option* level = command->add_option("--level", subdivision.level, "refinements, 0 to 10 (2)");
+  CLI::Option* level =
+      command->add_option("--subdivision-level", subdivision.level, "refinements, 0 to 10 (2)");
   level->check(between(0, SubdivisionOptions::k_largest_level));
   command
-      ->add_option("--error", subdivision.tolerance,
+      ->add_option("--error", subdivision.error,
                    "the least level whose error estimate is no larger, object units")
       ->excludes(level);
   add_crease_options(*command, *options);

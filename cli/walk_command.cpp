@@ -18,8 +18,8 @@ struct WalkOptions {
   std::string up;
   double field_of_view = 45;
   int frames = 100, width = 1920, height = 1080;
-  double pixel_error = 0.5;
-  std::optional<std::size_t> budget;
+  double pixel_error = ViewSettings{}.pixel_error;
+  std::optional<std::size_t> most_new_triangles;
 };
 
 // What all instances together took in a frame.
@@ -42,7 +42,7 @@ SeamView view_of(const WalkOptions& options, const Vec3& eye, const Vec3& target
   view.view = {static_cast<double>(options.height), options.field_of_view * std::numbers::pi / 180,
                options.pixel_error};
   view.aspect_ratio = static_cast<double>(options.width) / options.height;
-  view.most_new_triangles = options.budget;
+  view.most_new_triangles = options.most_new_triangles;
   return view;
 }
 
@@ -181,9 +181,10 @@ void add_walk_command(CLI::App& app) {
       ->check(between(1, 100'000))
       ->group(group);
   command->add_option("--field-of-view", options->field_of_view, "vertical, degrees (45)")->group(group);
-  command->add_option("--pixel-error", options->pixel_error, "that may be seen, pixels (0.5)")->group(group);
+  command->add_option("--pixel-error", options->pixel_error, "error that may be seen, pixels (1)")
+      ->group(group);
   command
-      ->add_option("--budget", options->budget,
+      ->add_option("--most-new-triangles", options->most_new_triangles,
                    "triangles that a frame may make anew for each part, about (all)")
       ->group(group);
   command

@@ -13,10 +13,9 @@ int main(int argc, char** argv) try {
     return 2;
   }
   const recede::PolygonMesh mesh = recede::read_mesh(argv[1]).mesh;
-  const double diagonal = recede::summarize(mesh).box.diagonal().norm();
 
   recede::HierarchyOptions options;
-  for (const double share : {0.001, 0.005, 0.02}) options.errors.push_back(share * diagonal);
+  options.relative_errors = {0.001, 0.005, 0.02};  // shares of the diagonal
   options.view = {.image_height = 1080, .field_of_view = 0.785, .pixel_error = 1};
   const recede::LodHierarchy hierarchy = recede::build_hierarchy(mesh, "model", options);
 

@@ -41,7 +41,7 @@ void draw_views(const ProgressiveMesh& mesh, const Box3& box, const char* path) 
   SelectiveMesh selective(mesh);
   const RefinementReport seen = selective.update(view);
   std::vector<Image> pictures{picture_of(selective.soup(), camera), picture_of(selective.soup(), aside)};
-  view.max_faces = seen.faces / 4;
+  view.faces = seen.faces / 4;
   const RefinementReport within = selective.update(view);
   pictures.push_back(picture_of(selective.soup(), aside));
   write_png(path, side_by_side(pictures));

@@ -53,7 +53,7 @@ class ControlMeshBuilder {
       throw OptionError(
           fmt::format("the level of subdivision must be 0 to {}", SubdivisionOptions::k_largest_level));
     }
-    if (options_.tolerance && !(*options_.tolerance > 0)) throw OptionError("the tolerance must be positive");
+    if (options_.error && !(*options_.error > 0)) throw OptionError("the error must be positive");
     if (options_.crease_angle && !(*options_.crease_angle >= 0 && *options_.crease_angle <= std::numbers::pi))
       throw OptionError("the crease angle must be 0 to 180 degrees");
     require_sharpness(options_.crease_sharpness, "creases");

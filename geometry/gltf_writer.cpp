@@ -13,6 +13,7 @@
 #include <cstring>
 #include <deque>
 #include <limits>
+#include <map>
 #include <optional>
 #include <unordered_set>
 
@@ -198,7 +199,8 @@ struct GltfBuilder::Impl {
   json document;
   std::string buffer;
   std::vector<Material> materials;
-  std::vector<Vec3> offsets;  // one per mesh
+  std::vector<Vec3> offsets;          // one per mesh
+  std::map<std::string, int> images;  // by path
 
   int append(const char* list, json value) {
     json& array = document[list];
@@ -206,13 +208,12 @@ struct GltfBuilder::Impl {
     return static_cast<int>(array.size()) - 1;
   }
 
-  int add_view(std::string_view bytes, int target) {
+  int add_view(std::string_view bytes, std::optional<int> target) {
     buffer.resize((buffer.size() + 3) / 4 * 4, '\0');
-    const int view = append(
-        "bufferViews",
-        {{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", bytes.size()}, {"target", target}});
+    json view{{"buffer", 0}, {"byteOffset", buffer.size()}, {"byteLength", bytes.size()}};
+    if (target) view["target"] = *target;
     buffer += bytes;
-    return view;
+    return append("bufferViews", std::move(view));
   }
 
   template <class Value>
@@ -257,8 +258,9 @@ struct GltfBuilder::Impl {
   }
 
   int texture_number(const std::string& path) {
-    const int image = append("images", {{"uri", detail::encode_percent(path)}});
-    return append("textures", {{"source", image}});
+    const auto [image, is_new] = images.try_emplace(path);
+    if (is_new) image->second = append("images", {{"uri", detail::encode_percent(path)}});
+    return append("textures", {{"source", image->second}});
   }
 
   int material_number(Material material, bool has_uvs) {
@@ -395,6 +397,15 @@ void GltfBuilder::paint_mesh(int mesh, const Material& material) {
     const bool has_uvs = primitive["attributes"].contains(k_uv.name);
     primitive["material"] = impl_->material_number(material, has_uvs);
   }
+}
+
+int GltfBuilder::add_picture(const std::string& path, std::string_view png) {
+  const int view = impl_->add_view(png, {});
+  const int image = impl_->append(
+      "images",
+      {{"bufferView", view}, {"mimeType", "image/png"}, {"extras", {{detail::k_picture_file, path}}}});
+  impl_->images[path] = image;
+  return image;
 }
 
 int GltfBuilder::add_node(int mesh, const std::string& name, const Eigen::Affine3d& placement) {

@@ -46,6 +46,10 @@ class GltfBuilder {
   /// Gives the material to what has none of the mesh.
   void paint_mesh(int mesh, const Material& material);
 
+  /// Puts a PNG file into the document as what `path` names: materials that are added later and have it as a
+  /// texture refer to it. Our reader finds the path again. Returns its position in `images`.
+  int add_picture(const std::string& path, std::string_view png);
+
   /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
   /// glTF wants placements without shear: a rotation after factors along the axes.
   int add_node(int mesh, const std::string& name,

@@ -324,16 +324,16 @@ void require_few_faces(const ControlMesh& control, SubdivisionScheme scheme, int
 SubdivisionResult subdivide(const PolygonSoup& control, const SubdivisionOptions& options,
                             Progress* progress) {
   const ControlMesh mesh = detail::make_control_mesh(control, options);
-  if (!options.tolerance) {
+  if (!options.error) {
     require_few_faces(mesh, options.scheme, options.level, "");
     return Subdivider(mesh, options, options.level).run(progress);
   }
   for (int level = 0; level <= SubdivisionOptions::k_largest_level; ++level) {
-    require_few_faces(mesh, options.scheme, level, "the tolerance is too small: ");
+    require_few_faces(mesh, options.scheme, level, "the error is too small: ");
     SubdivisionResult result = Subdivider(mesh, options, level).run(progress);
-    if (result.error_estimate <= *options.tolerance) return result;
+    if (result.error_estimate <= *options.error) return result;
   }
-  throw OptionError(fmt::format("the tolerance is too small: it needs more than {} levels",
+  throw OptionError(fmt::format("the error is too small: it needs more than {} levels",
                                 SubdivisionOptions::k_largest_level));
 }
 

@@ -58,7 +58,7 @@ struct SubdivisionOptions {
   /// mesh, with their points on the limit surface.
   int level = 2;
   /// Instead of `level`: the least one whose `error_estimate` is at most this, object units.
-  std::optional<double> tolerance{};
+  std::optional<double> error{};
 
   std::vector<SubdivisionCrease> creases = {};
   std::vector<SubdivisionCorner> corners = {};
@@ -116,7 +116,7 @@ struct SubdivisionResult {
 /// vertex where several fans of faces touch (`remove_degenerate_faces`, `orient_consistently` and
 /// `split_non_manifold` help); for a vertex or face with more than 500 edges; and for positions beyond 1e70.
 /// Throws `OptionError` for options out of range, creases that are no edges, more than `k_most_faces` facets,
-/// and a tolerance that would need them or more than `k_largest_level` levels; and `Cancelled`.
+/// and an error that would need them or more than `k_largest_level` levels; and `Cancelled`.
 SubdivisionResult subdivide(const PolygonSoup& control, const SubdivisionOptions& options = {},
                             Progress* progress = nullptr);
 
@@ -137,7 +137,7 @@ struct LevelInterpolation {
 /// of their corners in the middle.
 ///
 /// Throws as `subdivide`, and `OptionError` for a coarse level that isn't from 0 to `options.level`.
-/// `options.tolerance` counts for nothing.
+/// `options.error` counts for nothing.
 LevelInterpolation interpolate_level(const PolygonSoup& control, const SubdivisionOptions& options,
                                      int coarse_level);
 

@@ -75,11 +75,7 @@ class CadLevels {
 
   CadHierarchy run(const std::string& name) {
     result_.diagonal = cad_diagonal(model_);
-    errors_ = options_.errors;
-    if (errors_.empty()) {
-      for (const double share : k_default_errors) errors_.push_back(share * result_.diagonal);
-    }
-    check();
+    choose_errors();
     prepare();
     result_.hierarchy.name = name;
     result_.hierarchy.view = options_.view;
@@ -94,7 +90,17 @@ class CadLevels {
   }
 
  private:
-  void check() const {
+  void choose_errors() {
+    const int ways = int(!options_.errors.empty()) + int(!options_.relative_errors.empty()) +
+                     int(!options_.distances.empty());
+    if (ways > 1) throw OptionError("levels are chosen by one of errors, relative errors and distances");
+    errors_ = options_.errors;
+    for (const double share : options_.relative_errors) errors_.push_back(share * result_.diagonal);
+    for (const double distance : options_.distances)
+      errors_.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
+    if (errors_.empty()) {
+      for (const double share : k_default_errors) errors_.push_back(share * result_.diagonal);
+    }
     for (std::size_t i = 0; i < errors_.size(); ++i) {
       if (!(errors_[i] > 0 && std::isfinite(errors_[i]))) throw OptionError("errors must be positive");
       if (i > 0 && !(errors_[i] > errors_[i - 1])) throw OptionError("errors must increase");

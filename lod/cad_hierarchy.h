@@ -11,8 +11,10 @@ namespace recede {
 
 struct CadHierarchyOptions {
   /// Largest distances between surface and triangles, increasing, units of the model; the first is level 0.
-  /// Empty: shares 3e-4, 1e-3, 3e-3, 0.01 and 0.03 of the diagonal of the model's box.
+  /// At most one of the three; without one, relative errors 3e-4, 1e-3, 3e-3, 0.01 and 0.03.
   std::vector<double> errors;
+  std::vector<double> relative_errors{};  ///< the same as shares of `cad_diagonal`
+  std::vector<double> distances{};        ///< of cameras, increasing: error = what `view` permits there
   ViewSettings view;
   double gap = 0;  ///< the widest that is sewn up, units of the model; 0: half of the first error
   bool use_connectivity = true;  ///< what the file knows of shared edges
@@ -48,7 +50,7 @@ struct CadHierarchy {
 };
 
 /// Triangulates each part once for each level and puts it where its instances are. Throws `OptionError` for
-/// errors that don't increase.
+/// errors that don't increase, or are given in several ways.
 CadHierarchy build_cad_hierarchy(const CadModel& model, const std::string& name,
                                  const CadHierarchyOptions& options = {}, Progress* progress = nullptr);
 

@@ -1,5 +1,5 @@
 #include <recede/geometry/error.h>
-#include <recede/lod/detail/hierarchy_checks.h>
+#include <recede/lod/detail/hierarchy_options.h>
 #include <recede/lod/detail/switch_distances.h>
 
 #include <fmt/format.h>
@@ -35,11 +35,12 @@ void check_list(const std::vector<Value>& values, const char* name, InOrder in_o
 
 void detail::check(const HierarchyOptions& options) {
   const int ways = int(!options.faces.empty()) + int(!options.ratios.empty()) + int(!options.errors.empty()) +
-                   int(!options.distances.empty());
-  require(ways == 1, "levels are chosen by exactly one of faces, ratios, errors and distances");
+                   int(!options.relative_errors.empty()) + int(!options.distances.empty());
+  require(ways <= 1, "levels are chosen by one of faces, ratios, errors, relative errors and distances");
   check_list(options.faces, "faces", std::greater<>(), "decrease");
   check_list(options.ratios, "ratios", std::greater<>(), "decrease");
   check_list(options.errors, "errors", std::less<>(), "increase");
+  check_list(options.relative_errors, "relative errors", std::less<>(), "increase");
   check_list(options.distances, "distances", std::less<>(), "increase");
   require(options.ratios.empty() || options.ratios.front() < 1, "ratios must be below 1");
   const ViewSettings& view = options.view;
@@ -80,10 +81,11 @@ class HierarchyBuilder {
       hierarchy_.radius = std::max(hierarchy_.radius, (p - hierarchy_.center).norm());
     }
     hierarchy_.levels.push_back({.mesh = mesh_});
-    if (!options_.faces.empty() || !options_.ratios.empty()) {
-      add_levels_by_size();
+    const std::vector<SimplifyTarget> by_error = error_targets();
+    if (by_error.empty()) {
+      add_levels(size_targets(), false);  // what is measured goes into the report with more than the bound
     } else {
-      add_levels_by_error();
+      add_levels(by_error, true);
     }
     detail::set_switch_distances(hierarchy_);
     if (options_.maps) add_maps();
@@ -91,25 +93,28 @@ class HierarchyBuilder {
   }
 
  private:
-  void add_levels_by_size() {
+  std::vector<SimplifyTarget> size_targets() const {
     std::vector<SimplifyTarget> targets;
     for (const std::size_t faces : options_.faces) targets.push_back({.faces = faces});
     for (const double ratio : options_.ratios) targets.push_back({.ratio = ratio});
-    // What is measured here goes into the report with more than the bound.
-    SimplifyOptions options = options_.simplify;
-    options.prove_error = false;
-    for (SimplifyResult& result : simplify_levels(mesh_, targets, options, progress_))
-      add_level(std::move(result));
+    if (!targets.empty()) return targets;
+    for (const double ratio : detail::k_default_ratios) targets.push_back({.ratio = ratio});
+    return targets;
   }
 
-  void add_levels_by_error() {
+  std::vector<SimplifyTarget> error_targets() const {
     std::vector<SimplifyTarget> targets;
     for (const double error : options_.errors) targets.push_back({.error = error});
+    for (const double share : options_.relative_errors) targets.push_back({.relative_error = share});
     for (const double distance : options_.distances) {
       targets.push_back({.error = options_.view.pixel_error * pixel_footprint(distance, options_.view)});
     }
+    return targets;
+  }
+
+  void add_levels(const std::vector<SimplifyTarget>& targets, bool prove_error) {
     SimplifyOptions options = options_.simplify;
-    options.prove_error = true;
+    options.prove_error = prove_error;
     for (SimplifyResult& result : simplify_levels(mesh_, targets, options, progress_))
       add_level(std::move(result));
   }

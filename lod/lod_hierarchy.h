@@ -54,10 +54,12 @@ struct LodHierarchy {
 };
 
 struct HierarchyOptions {
-  /// Exactly one of the four ways to choose levels; the input itself is always level 0 and not named here.
+  /// At most one of the five ways to choose levels; without one, ratios 0.5, 0.25, 0.1, 0.03 and 0.01. The
+  /// input itself is always level 0 and not named here.
   std::vector<std::size_t> faces{};  ///< at most so many, decreasing
   std::vector<double> ratios;        ///< face counts as shares of the input, decreasing, each in (0, 1)
   std::vector<double> errors;        ///< certified bounds that the levels must keep, increasing, object units
+  std::vector<double> relative_errors{};  ///< the same as shares of the box's diagonal
   std::vector<double>
       distances;  ///< camera distances, increasing, object units: error = what `view` permits there
   ViewSettings view;
@@ -93,13 +95,13 @@ struct HierarchyFiles {
 
 /// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds
 /// polygons in double precision and can be read back. Same bytes for the same levels: the seconds that they
-/// took aren't in the files. Maps are PNG files in the folder, to which the GLB refers: `normalTexture` and
-/// `baseColorTexture` of the level's materials, and `extras.recede_displacement` of its mesh with `uri`,
-/// `scale`, `offset` and `space`, and with `exr` where there is one: heights as floats, in object units. Such
-/// a level is written as `BakedMaps::surface`, the GLB with its tangents. Billboards have their colours with
-/// opacity, which the GLB takes as a mask, normals and heights as PNG files; `extras.recede_billboards` of
-/// their mesh names that of heights with `uri`, `range` (object units: black to white is -range to range),
-/// and the cloud's `error`.
+/// took aren't in the files. Maps are PNG files in the folder, and once more inside the GLB, which needs no
+/// other file: `normalTexture` and `baseColorTexture` of the level's materials, and
+/// `extras.recede_displacement` of its mesh with the number of its `image`, `scale`, `offset` and `space`.
+/// Such a level is written as `BakedMaps::surface`, the GLB with its tangents. Billboards have their colours
+/// with opacity, which the GLB takes as a mask, normals and heights as PNG files; `extras.recede_billboards`
+/// of their mesh has the number of that of heights in `image`, `range` (object units: black to white is
+/// -range to range), and the cloud's `error`.
 HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`, maps too, but of what baking met only why there

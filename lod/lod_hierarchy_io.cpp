@@ -32,22 +32,38 @@ std::string map_name(std::size_t level, const char* map, const char* extension =
   return fmt::format("level_{}_{}.{}", level, map, extension);
 }
 
-/// How heights follow from the samples of a displacement map. `exr` is empty when there is none.
-Json displacement_to_json(const BakedMaps& maps, const std::string& uri, const std::string& exr) {
-  Json result{
-      {"uri", uri}, {"scale", maps.height_scale}, {"offset", maps.height_offset}, {"space", k_height_space}};
-  if (!exr.empty()) result["exr"] = exr;
-  return result;
+/// How heights follow from the samples of a displacement map.
+Json displacement_to_json(const BakedMaps& maps) {
+  return {{"scale", maps.height_scale}, {"offset", maps.height_offset}, {"space", k_height_space}};
 }
+
+/// Pictures of levels, which are in the folder already, go into the GLB from there.
+class Pictures {
+ public:
+  Pictures(GltfBuilder& builder, std::string name, fs::path folder)
+      : builder_(builder), name_(std::move(name)), folder_(std::move(folder)) {}
+
+  /// The path that materials have for a picture.
+  std::string path(std::size_t level, const char* map) const { return name_ + "/" + map_name(level, map); }
+  /// Returns its position in `images`.
+  int add(std::size_t level, const char* map) {
+    return builder_.add_picture(path(level, map), read_whole_file(folder_ / map_name(level, map)));
+  }
+
+ private:
+  GltfBuilder& builder_;
+  std::string name_;
+  fs::path folder_;
+};
 
 /// The level's surface with materials that name its maps. Where colours are baked, one material takes the
 /// place of all; textures of the input don't fit a new atlas.
-PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, const std::string& folder) {
+PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, Pictures& pictures) {
   PolygonSoup soup = maps.surface;
-  const auto uri = [&](const char* map) { return folder + "/" + map_name(level, map); };
   if (!maps.color.samples.empty()) {
     soup.vertex_colors.clear();
-    soup.materials = {{fmt::format("level {}", level), {1, 1, 1, 1}, uri("color")}};
+    pictures.add(level, "color");
+    soup.materials = {{fmt::format("level {}", level), {1, 1, 1, 1}, pictures.path(level, "color")}};
     soup.face_materials.assign(soup.n_faces(), 0);
   }
   if (!maps.report.atlas_reason.empty() && maps.color.samples.empty()) {
@@ -60,7 +76,8 @@ PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, const st
   Material rest;  // of faces without one
   if (!soup.vertex_colors.empty()) rest.base_color.setOnes();
   soup.materials.push_back(rest);
-  for (Material& material : soup.materials) material.normal_texture = uri("normal");
+  pictures.add(level, "normal");
+  for (Material& material : soup.materials) material.normal_texture = pictures.path(level, "normal");
   return soup;
 }
 
@@ -91,19 +108,19 @@ int add_instances(GltfBuilder& builder, const LodHierarchy& hierarchy, const Lod
   return whole;
 }
 
-Json billboards_to_json(const BillboardTextures& textures, const std::string& uri) {
-  return {
-      {"uri", uri}, {"range", textures.height_range}, {"error", textures.error}, {"texel", textures.texel}};
+Json billboards_to_json(const BillboardTextures& textures) {
+  return {{"range", textures.height_range}, {"error", textures.error}, {"texel", textures.texel}};
 }
 
 int add_billboards(GltfBuilder& builder, const BillboardTextures& textures, std::size_t level,
-                   const std::string& folder, const std::string& name) {
+                   Pictures& pictures, const std::string& name) {
   PolygonSoup quads = quads_of(textures);
-  const auto uri = [&](const char* map) { return folder + "/" + map_name(level, map); };
+  pictures.add(level, "color");
+  pictures.add(level, "normal");
   quads.materials = {{.name = fmt::format("level {}", level),
                       .base_color = Vec4::Ones(),
-                      .base_color_texture = uri("color"),
-                      .normal_texture = uri("normal"),
+                      .base_color_texture = pictures.path(level, "color"),
+                      .normal_texture = pictures.path(level, "normal"),
                       .alpha_cutoff = 0.5}};
   quads.face_materials.assign(quads.n_faces(), 0);
   std::vector<Vec4> tangents;
@@ -112,8 +129,9 @@ int add_billboards(GltfBuilder& builder, const BillboardTextures& textures, std:
     tangents.insert(tangents.end(), 4, Vec4(u.x(), u.y(), u.z(), 1));
   }
   const int mesh = builder.add_mesh(quads, name, {.corner_tangents = tangents});
-  builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_billboards"] =
-      billboards_to_json(textures, detail::encode_percent(uri("height")));
+  Json extras = billboards_to_json(textures);
+  extras["image"] = pictures.add(level, "height");
+  builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_billboards"] = extras;
   return builder.add_node(mesh, name);
 }
 
@@ -128,37 +146,33 @@ PolygonSoup surface_without_maps(const LodHierarchy& hierarchy, const LodLevel& 
   return soup;
 }
 
-int add_level(GltfBuilder& builder, const LodHierarchy& hierarchy, std::size_t i) {
+int add_level(GltfBuilder& builder, Pictures& pictures, const LodHierarchy& hierarchy, std::size_t i) {
   const std::string suffix = fmt::format(" level {}", i), name = hierarchy.name + suffix;
   const LodLevel& level = hierarchy.levels[i];
   if (level.mesh.n_faces() > 0 && !level.parts.empty())
     return add_instances(builder, hierarchy, level, name, suffix);
-  if (level.billboards)
-    return add_billboards(builder, *level.billboards, i, hierarchy.name + ".recede", name);
+  if (level.billboards) return add_billboards(builder, *level.billboards, i, pictures, name);
   if (!level.maps)
     return builder.add_node(builder.add_mesh(surface_without_maps(hierarchy, level), name), name);
-  const std::string folder = hierarchy.name + ".recede";
-  const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, folder), name,
+  const int mesh = builder.add_mesh(surface_with_maps(*level.maps, i, pictures), name,
                                     {.corner_tangents = level.maps->corner_tangents});
   if (!level.maps->displacement.samples.empty()) {
-    const auto uri = [&](const char* extension) {
-      return detail::encode_percent(folder + "/" + map_name(i, "displacement", extension));
-    };
-    const bool with_floats = !level.maps->float_displacement.samples.empty();
-    builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_displacement"] =
-        displacement_to_json(*level.maps, uri("png"), with_floats ? uri("exr") : "");
+    Json extras = displacement_to_json(*level.maps);
+    extras["image"] = pictures.add(i, "displacement");
+    builder.document()["meshes"][static_cast<std::size_t>(mesh)]["extras"]["recede_displacement"] = extras;
   }
   return builder.add_node(mesh, name);
 }
 
 /// MSFT_lod: the finest level's node names the others. MSFT_screencoverage: below entry i, level i + 1
 /// serves; the last entry is the coverage below which nothing is drawn, which this hierarchy leaves at 0.
-std::string to_glb(const LodHierarchy& hierarchy) {
+std::string to_glb(const LodHierarchy& hierarchy, const fs::path& folder) {
   GltfBuilder builder;
+  Pictures pictures(builder, hierarchy.name + ".recede", folder);
   int first = 0;
   nlohmann::json ids = nlohmann::json::array(), coverage = nlohmann::json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
-    const int node = add_level(builder, hierarchy, i);
+    const int node = add_level(builder, pictures, hierarchy, i);
     if (i == 0) {
       first = node;
       builder.add_to_scene(node);
@@ -185,14 +199,20 @@ Json to_json(const LodLevel& level, const std::string& file, const MapFiles& map
               {"switch_distance", level.switch_distance},
               {"screen_coverage", level.screen_coverage},
               {"stop_reason", level.stop_reason}};
-  if (!maps.displacement.empty())
-    result["displacement"] = displacement_to_json(*level.maps, maps.displacement.filename().string(),
-                                                  maps.displacement_exr.filename().string());
+  if (!maps.displacement.empty()) {
+    Json displacement{{"uri", maps.displacement.filename().string()}};
+    displacement.update(displacement_to_json(*level.maps));
+    if (!maps.displacement_exr.empty()) displacement["exr"] = maps.displacement_exr.filename().string();
+    result["displacement"] = std::move(displacement);
+  }
   if (!maps.normal.empty()) result["normal"] = {{"uri", maps.normal.filename().string()}};
   if (!maps.normal_exr.empty()) result["normal"]["exr"] = maps.normal_exr.filename().string();
   if (!maps.color.empty()) result["color"] = {{"uri", maps.color.filename().string()}};
-  if (!maps.height.empty())
-    result["billboards"] = billboards_to_json(*level.billboards, maps.height.filename().string());
+  if (!maps.height.empty()) {
+    Json billboards{{"uri", maps.height.filename().string()}};
+    billboards.update(billboards_to_json(*level.billboards));
+    result["billboards"] = std::move(billboards);
+  }
   if (level.maps) result["atlas_reason"] = level.maps->report.atlas_reason;
   return result;
 }
@@ -384,7 +404,7 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
   // Names may hold bytes that aren't UTF-8.
   const std::string list = document.dump(2, ' ', false, Json::error_handler_t::replace);
   write_file_atomically(staged.path() / "hierarchy.json", list + "\n");
-  write_file_atomically(files.glb, to_glb(hierarchy));
+  write_file_atomically(files.glb, to_glb(hierarchy, staged.path()));
   staged.commit();
   return files;
 }

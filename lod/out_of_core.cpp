@@ -1,7 +1,7 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/detail/chunk_distance.h>
-#include <recede/lod/detail/hierarchy_checks.h>
+#include <recede/lod/detail/hierarchy_options.h>
 #include <recede/lod/detail/reduce_chunks.h>
 #include <recede/lod/detail/switch_distances.h>
 #include <recede/lod/out_of_core.h>
@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace recede {
 namespace {
@@ -83,11 +84,8 @@ class OutOfCoreBuilder {
     if (!n_faces)
       throw InputError::in_file(file_.string(), "can't be read in pieces; binary PLY and binary STL can");
     if (*n_faces == 0) throw InputError::in_file(file_.string(), "a hierarchy needs a mesh with faces");
-    for (const double ratio : options_.ratios)
-      options_.faces.push_back(
-          std::max<std::size_t>(1, static_cast<std::size_t>(ratio * static_cast<double>(*n_faces))));
-    options_.ratios.clear();
     const FileLook look(file_, *n_faces, progress_);
+    set_targets(look);
     set_limits(look);
     const detail::ChunkFiles chunks = cut(look);
     result_.chunks = chunks.n_chunks();
@@ -103,6 +101,21 @@ class OutOfCoreBuilder {
   }
 
  private:
+  /// Levels as faces or errors, however they were asked for.
+  void set_targets(const FileLook& look) {
+    HierarchyOptions& o = options_;
+    if (o.faces.empty() && o.errors.empty() && o.relative_errors.empty() && o.distances.empty() &&
+        o.ratios.empty())
+      o.ratios.assign(detail::k_default_ratios.begin(), detail::k_default_ratios.end());
+    for (const double ratio : std::exchange(o.ratios, {}))
+      o.faces.push_back(
+          std::max<std::size_t>(1, static_cast<std::size_t>(ratio * static_cast<double>(look.n_faces))));
+    for (const double share : std::exchange(o.relative_errors, {}))
+      o.errors.push_back(share * look.box.diagonal().norm());
+    for (const double distance : std::exchange(o.distances, {}))
+      o.errors.push_back(o.view.pixel_error * pixel_footprint(distance, o.view));
+  }
+
   void set_limits(const FileLook& look) {
     limits_.faces = room(memory_) / 4 / (k_per_chunk_face + k_copies_in_chunks * look.attributes);
     most_faces_ = finest_faces(
@@ -140,9 +153,6 @@ class OutOfCoreBuilder {
   /// Levels as what is left to do from level 0 on.
   void set_levels(const PolygonMesh& finest, const detail::ChunkFiles& chunks,
                   const std::vector<Vec3>& points) {
-    for (const double distance : options_.distances)
-      options_.errors.push_back(options_.view.pixel_error * pixel_footprint(distance, options_.view));
-    options_.distances.clear();
     while (!options_.faces.empty() && options_.faces.front() >= finest.n_faces()) {
       if (options_.faces.front() > finest.n_faces())
         result_.left_out.push_back(static_cast<double>(options_.faces.front()));

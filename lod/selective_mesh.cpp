@@ -120,9 +120,9 @@ class SelectiveMesh::Impl {
     const auto start = Clock::now();
     check(view);
     const PixelCriterion criterion(view, graph_.origin());
-    if (view.max_faces) {
+    if (view.faces) {
       const auto share = [&](Index split) { return criterion.share(graph_.bounds(split)); };
-      const FrontMoves moves = front_.adapt_within(graph_, share, 1, *view.max_faces);
+      const FrontMoves moves = front_.adapt_within(graph_, share, 1, *view.faces);
       return report(moves, largest_left(criterion), start);
     }
     float largest = 0;  // of those that were found small enough

@@ -22,7 +22,7 @@ struct RefinementView {
   /// larger than the others; unset: the smaller of them.
   std::optional<double> back_pixel_error, silhouette_pixel_error;
   /// At most this many faces, but never fewer than the base has: then the largest errors in pixels go first.
-  std::optional<std::size_t> max_faces;
+  std::optional<std::size_t> faces;
 };
 
 /// What an update did.
@@ -31,7 +31,7 @@ struct RefinementReport {
   std::size_t splits = 0;  ///< applied
   std::size_t forced = 0;  ///< those of them that only others needed
   std::size_t merges = 0;  ///< splits taken back
-  /// No error that is left in the image is larger, pixels; with `max_faces` it is the largest. Infinite:
+  /// No error that is left in the image is larger, pixels; with `faces` it is the largest. Infinite:
   /// detail is missing around the camera. 0 for updates by an error everywhere.
   double pixel_error = 0;
   double seconds = 0;
@@ -51,7 +51,7 @@ class SelectiveMesh {
   SelectiveMesh& operator=(SelectiveMesh&&) noexcept;
   ~SelectiveMesh();
 
-  /// Refines and coarsens from where the last view left it. Without `max_faces` the result depends on the
+  /// Refines and coarsens from where the last view left it. Without `faces` the result depends on the
   /// view alone. Throws `OptionError` for numbers out of range or a position at its target.
   RefinementReport update(const RefinementView& view);
   /// The level whose error is at most `error` everywhere, object units: `ProgressiveMesh::level_for_error`.

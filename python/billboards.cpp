@@ -53,17 +53,17 @@ std::vector<Cloud> make_clouds(const Mesh& mesh, const py::dict& settings, bool 
   const BillboardTextureOptions textures = read_options_of_textures(settings);
   std::vector<double> relative_errors;
   read(settings, "relative_errors", relative_errors);
-  std::optional<std::size_t> budget;
-  read(settings, "budget", budget);
+  std::optional<std::size_t> most_bytes;
+  read(settings, "most_bytes", most_bytes);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     PolygonSoup model = *mesh.soup;
     merge_identical_vertices(model);
     for (const double share : relative_errors)
       options.errors.push_back(share * bounding_box(model).diagonal().norm());
     std::vector<Cloud> clouds;
-    if (budget) {
-      auto best =
-          std::make_shared<const BillboardTextures>(billboards_within(model, *budget, options, textures, p));
+    if (most_bytes) {
+      auto best = std::make_shared<const BillboardTextures>(
+          billboards_within(model, *most_bytes, options, textures, p));
       clouds.push_back({std::make_shared<const BillboardCloud>(BillboardCloud{
                             best->error, best->billboards, best->left_out, options.is_two_sided}),
                         std::move(best)});

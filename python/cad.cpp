@@ -146,9 +146,36 @@ void bind_model(py::module_& m) {
       .def_readonly("repairs", &CadModel::repairs);
 }
 
+void bind_levels(py::module_& m) {
+  py::class_<CadLevelReport>(m, "CadLevel")
+      .def_readonly("patches", &CadLevelReport::patches)
+      .def_readonly("triangles", &CadLevelReport::triangles)
+      .def_readonly("tightened", &CadLevelReport::tightened)
+      .def_readonly("missed", &CadLevelReport::missed);
+  py::class_<SeamGap>(m, "CadGap")
+      .def_readonly("patch", &SeamGap::patch)
+      .def_readonly("other", &SeamGap::other)
+      .def_property_readonly(
+          "point", [](const SeamGap& g) { return py::make_tuple(g.point.x(), g.point.y(), g.point.z()); })
+      .def_readonly("distance", &SeamGap::distance);
+  py::class_<CadSeamReport>(m, "CadSeams")
+      .def_readonly("part", &CadSeamReport::part)
+      .def_readonly("patches", &CadSeamReport::patches)
+      .def_readonly("sewing_points", &CadSeamReport::sewing_points)
+      .def_property_readonly("edges_of_file", [](const CadSeamReport& r) { return r.seams.edges_of_file; })
+      .def_property_readonly("edges_by_position",
+                             [](const CadSeamReport& r) { return r.seams.edges_by_position; })
+      .def_property_readonly("free_edges", [](const CadSeamReport& r) { return r.seams.free_edges; })
+      .def_property_readonly("crowded_edges", [](const CadSeamReport& r) { return r.seams.crowded_edges; })
+      .def_readonly("turned", &CadSeamReport::turned)
+      .def_property_readonly("largest_move", [](const CadSeamReport& r) { return r.seams.largest_move; })
+      .def_property_readonly("gaps", [](const CadSeamReport& r) { return r.seams.gaps; });
+}
+
 }  // namespace
 
 void bind_cad(py::module_& m) {
+  bind_levels(m);
   bind_curve(m);
   bind_patch(m);
   bind_model(m);

@@ -6,9 +6,11 @@
 #include "numpy_arrays.h"
 #include "options.h"
 #include "shells.h"
+#include <recede/render/coverage.h>
 #include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 #include <recede/render/renderer.h>
+#include <recede/render/volume_levels.h>
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -183,6 +185,7 @@ struct Drawn {
     PolygonSoup solid = placed.textured.shell->base;
     if (placed.textured.side == ShellSide::interior) solid.positions = placed.textured.layer().tops;
     placed.view = volume_view(camera);
+    placed.textured = with_levels_for(placed.textured, *placed.view);
     return Scene(std::span(&solid, 1), std::span<const PlacedVolume>(&placed, 1), shading);
   }
   Scene scene(const Camera& camera, const DisplacedMeshOptions& displacement,
@@ -201,16 +204,7 @@ Drawn read_drawn(const py::object& surface, const py::dict& from) {
     return drawn;
   }
   if (py::isinstance<FilledShell>(surface)) {
-    auto& filled = surface.cast<FilledShell&>();
-    if (filled.textured.texture->transparent.empty()) {
-      const std::shared_ptr<const VolumeMipmap> finest = filled.textured.texture;
-      const auto made = [&] {
-        const py::gil_scoped_release unlocked;
-        return std::make_shared<const VolumeMipmap>(make_mipmap(finest->surfaces.front()));
-      };
-      filled.textured.texture = made();
-    }
-    drawn.volume.emplace(PlacedVolume{filled.textured});
+    drawn.volume.emplace(PlacedVolume{surface.cast<const FilledShell&>().textured});
     std::optional<Vec3> color;
     read(from, "matter_color", color);
     if (color) drawn.volume->color = color->cast<float>();
@@ -246,13 +240,19 @@ py::array render_surface(const py::object& surface, const std::optional<Vec3>& e
   DisplacedMeshOptions displacement;
   read(from, "subdivision_level", displacement.level);
   const Drawn drawn = read_drawn(surface, from);
+  bool coverage = false;
+  read(from, "coverage", coverage);
+  std::optional<FloatRaster> covered;
   const Image image = PythonProgress(std::move(progress)).run([&](Progress* p) {
     const std::vector<Vec3> points = drawn.points();
     const Camera in_front = camera_in_front(points, up, field_of_view, width, height);
     const Camera camera = place_camera(in_front, points, eye, look_at);
-    return render(drawn.scene(camera, displacement, shading), camera, options, p);
+    const Scene scene = drawn.scene(camera, displacement, shading);
+    if (!coverage) return render(scene, camera, options, p);
+    covered = render_coverage(scene, camera, options, p);
+    return Image{};
   });
-  return to_array(image);
+  return covered ? to_array(*covered) : to_array(image);
 }
 
 }  // namespace

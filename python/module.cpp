@@ -7,6 +7,7 @@
 #include <recede/geometry/mesh_distance.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
+#include <recede/lod/cad_hierarchy.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/simplify.h>
 #include <recede/render/far_level.h>
@@ -120,7 +121,37 @@ struct Baked {
   HierarchyFiles files;
   std::optional<ReportFiles> report;
   std::vector<std::string> far_levels{};  // why billboards or triangles stand far away
+  std::vector<CadLevelReport> cad_levels{};
+  std::vector<CadSeamReport> cad_parts{};
 };
+
+struct ReportChoice {
+  bool is_wanted = true;
+  ReportOptions options;
+};
+
+ReportChoice read_report_choice(const py::dict& from) {
+  ReportChoice report;
+  std::vector<double> up{0, 1, 0};
+  read(from, "up", up);
+  if (up.size() != 3) throw OptionError("up must have three numbers");
+  report.options.up = {up[0], up[1], up[2]};
+  read(from, "report", report.is_wanted);
+  read(from, "viewer_triangles", report.options.viewer_triangles);
+  return report;
+}
+
+void read_view(const py::dict& from, ViewSettings& view) {
+  read(from, "image_height", view.image_height);
+  read(from, "field_of_view", view.field_of_view);
+  read(from, "pixel_error", view.pixel_error);
+}
+
+void write(const fs::path& folder, Baked& baked, const ReportChoice& report, Progress* progress) {
+  baked.files = write_hierarchy(folder, baked.hierarchy);
+  if (report.is_wanted)
+    baked.report = write_report(folder, baked.hierarchy, baked.files, report.options, progress);
+}
 
 Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, const py::dict& levels,
            const py::dict& options, double feature_angle, py::object progress) {
@@ -129,35 +160,48 @@ Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, co
   read(levels, "faces", hierarchy_options.faces);
   read(levels, "ratios", hierarchy_options.ratios);
   read(levels, "errors", hierarchy_options.errors);
+  read(levels, "relative_errors", hierarchy_options.relative_errors);
   read(levels, "distances", hierarchy_options.distances);
-  read(levels, "image_height", hierarchy_options.view.image_height);
-  read(levels, "field_of_view", hierarchy_options.view.field_of_view);
-  read(levels, "pixel_error", hierarchy_options.view.pixel_error);
+  read_view(levels, hierarchy_options.view);
   if (levels.contains("maps") && py::len(levels["maps"]) > 0)
     hierarchy_options.maps = read_map_options(levels);
-  std::vector<double> relative_errors, up{0, 1, 0};
-  read(levels, "relative_errors", relative_errors);
-  read(levels, "up", up);
-  if (up.size() != 3) throw OptionError("up must have three numbers");
-  bool with_report = true, with_billboards = true;
-  read(levels, "report", with_report);
+  const ReportChoice report = read_report_choice(levels);
+  bool with_billboards = true;
   read(levels, "billboards", with_billboards);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     Baked baked;
     PolygonMesh input = repair_to_polygon_mesh(*mesh.soup).mesh;
     if (feature_angle > 0) mark_feature_edges(input, feature_angle);
-    const double diagonal = input.n_faces() > 0 ? summarize(input).box.diagonal().norm() : 0;
-    for (const double share : relative_errors) hierarchy_options.errors.push_back(share * diagonal);
     baked.hierarchy = build_hierarchy(input, name, hierarchy_options, p);
     if (with_billboards) {
       std::vector<FarLevelTrial> trials = compare_far_levels(baked.hierarchy, {}, p);
       append_far_levels(baked.hierarchy, trials, p);
       for (const FarLevelTrial& trial : trials) baked.far_levels.push_back(trial.reason);
     }
-    baked.files = write_hierarchy(folder, baked.hierarchy);
-    if (with_report) {
-      baked.report = write_report(folder, baked.hierarchy, baked.files, {.up = {up[0], up[1], up[2]}}, p);
-    }
+    write(folder, baked, report, p);
+    return baked;
+  });
+}
+
+Baked bake_cad(const CadModel& model, const fs::path& folder, const std::string& name, const py::dict& levels,
+               py::object progress) {
+  CadHierarchyOptions options;
+  read(levels, "errors", options.errors);
+  read(levels, "relative_errors", options.relative_errors);
+  read(levels, "distances", options.distances);
+  read(levels, "gap", options.gap);
+  read(levels, "use_connectivity", options.use_connectivity);
+  read_view(levels, options.view);
+  ReportChoice report = read_report_choice(levels);
+  return PythonProgress(std::move(progress)).run([&](Progress* p) {
+    CadHierarchy cad = build_cad_hierarchy(model, name, options, p);
+    for (const CadLevelReport& level : cad.levels) report.options.patches.push_back(level.patches);
+    Baked baked{.hierarchy = std::move(cad.hierarchy),
+                .files = {},
+                .report = {},
+                .cad_levels = std::move(cad.levels),
+                .cad_parts = std::move(cad.parts)};
+    write(folder, baked, report, p);
     return baked;
   });
 }
@@ -364,6 +408,8 @@ void bind_results(py::module_& m) {
       .def_property_readonly("glb", [](const Baked& baked) { return baked.files.glb; })
       .def_property_readonly("folder", [](const Baked& baked) { return baked.files.folder; })
       .def_readonly("far_levels", &Baked::far_levels)
+      .def_readonly("cad_levels", &Baked::cad_levels)
+      .def_readonly("cad_parts", &Baked::cad_parts)
       .def_property_readonly("map_files", [](const Baked& baked) { return baked.files.map_files; })
       .def_property_readonly("report", [](const Baked& baked) {
         return baked.report ? std::optional(baked.report->html) : std::nullopt;
@@ -407,6 +453,7 @@ PYBIND11_MODULE(_recede, m) {
     });
   });
   m.def("bake", &bake);
+  m.def("bake_cad", &bake_cad);
   m.def("make_teapot", [](std::size_t quads_per_side, double relief) {
     return make_mesh(make_teapot(quads_per_side, relief));
   });

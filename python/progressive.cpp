@@ -164,7 +164,7 @@ void bind_progressive(py::module_& m) {
       .def_readwrite("cull", &RefinementView::cull)
       .def_readwrite("back_pixel_error", &RefinementView::back_pixel_error)
       .def_readwrite("silhouette_pixel_error", &RefinementView::silhouette_pixel_error)
-      .def_readwrite("max_faces", &RefinementView::max_faces);
+      .def_readwrite("faces", &RefinementView::faces);
   py::class_<Selective>(m, "SelectiveMesh")
       .def("update", &update)
       .def("update_error",

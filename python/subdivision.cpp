@@ -37,8 +37,8 @@ SubdivisionOptions read_subdivision_options(const py::dict& from) {
                                options.uv_interpolation);
   read_choice<Creasing>(from, "creasing", {{"uniform", Creasing::uniform}, {"chaikin", Creasing::chaikin}},
                         options.creasing);
-  read(from, "level", options.level);
-  read(from, "error", options.tolerance);
+  read(from, "subdivision_level", options.level);
+  read(from, "error", options.error);
   read(from, "crease_angle", options.crease_angle);
   read(from, "crease_sharpness", options.crease_sharpness);
   read(from, "feature_sharpness", options.feature_sharpness);

@@ -5,6 +5,7 @@
 #include "shells.h"
 #include <recede/shells/procedural_volumes.h>
 #include <recede/shells/shell_edit.h>
+#include <recede/shells/texture_repeat.h>
 #include <recede/shells/textured_shell_io.h>
 
 #include <pybind11/eigen.h>
@@ -114,10 +115,12 @@ ShellSide side_of(const std::string& name) {
 }
 
 FilledShell with_volume(const BuiltShell& built, const Texture& texture, const std::string& side,
-                        const Vec2& repeat, const Vec2& offset) {
+                        const std::optional<Vec2>& repeat, const Vec2& offset) {
   TexturedShell textured{.shell = built.shell, .side = side_of(side)};
   textured = with_texture(textured, *texture);
-  textured.coordinates = {.repeat = repeat, .offset = offset};
+  textured.coordinates.offset = offset;
+  textured.coordinates.repeat =
+      repeat ? *repeat : proportionate_repeat(*built.shell, textured.side, texture->extent);
   textured.layer();
   return {textured};
 }

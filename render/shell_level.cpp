@@ -185,6 +185,7 @@ LodHierarchy shell_hierarchy(const TexturedShell& textured, const std::string& n
   plain.vertex_colors.assign(plain.positions.size(), Vec4(color.x(), color.y(), color.z(), 1));
   const HierarchyOptions bases{.ratios = options.ratios,
                                .errors = {},
+                               .relative_errors = {},
                                .distances = {},
                                .view = options.view,
                                .simplify = options.simplify};

@@ -230,6 +230,7 @@ VolumeLook::Choice VolumeLook::choose(std::uint32_t primitive, const VolumeRay& 
       hashed_number(ray.key, 0);
   const int whole = static_cast<int>(std::floor(std::clamp(level, 0.0, 64.0)));
   if (whole < texture_->first_transparent()) return {false, whole};
+  if (texture_->transparent.empty()) return {false, texture_->first_transparent()};
   return {true, std::min(whole - texture_->first_transparent(),
                          static_cast<int>(texture_->transparent.size()) - 1)};
 }

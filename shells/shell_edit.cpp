@@ -178,7 +178,7 @@ VolumeTexture unwrap_volume(const TexturedShell& textured, const LayerGrid& grid
 std::array<int, 3> unwrapped_size(const TexturedShell& textured) {
   textured.layer();
   const VolumeTexture& source = textured.texture->surfaces.front();
-  constexpr double k_most = 4096;
+  constexpr double k_most = 2048;
   const auto along = [&](std::size_t axis) {
     const double texels = std::abs(textured.coordinates.repeat[static_cast<int>(axis)]) * source.size[axis];
     return static_cast<int>(std::clamp(std::round(texels), 1.0, k_most));

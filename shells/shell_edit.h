@@ -24,7 +24,7 @@ VolumeTexture make_uniform_volume(const LayerGrid& grid, double opacity);
 VolumeTexture unwrap_volume(const TexturedShell& textured, const LayerGrid& grid);
 
 /// Where texels of the grid are as large as those of the texture on the average, along s and t; along r as
-/// many as it has. At least 1, and at most 4096 along s and t.
+/// many as it has. At least 1, and at most 2048 along s and t.
 std::array<int, 3> unwrapped_size(const TexturedShell& textured);
 
 /// What edits need: a texture that fills its layer once, and where its texels are.

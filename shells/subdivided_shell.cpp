@@ -10,7 +10,7 @@ namespace {
 
 SubdivisionOptions at_level(SubdivisionOptions options, int level) {
   options.level = level;
-  options.tolerance.reset();
+  options.error.reset();
   return options;
 }
 

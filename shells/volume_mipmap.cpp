@@ -3,6 +3,7 @@
 #include <recede/shells/detail/matter_calibration.h>
 #include <recede/shells/detail/matter_path.h>
 #include <recede/shells/detail/matter_statistics.h>
+#include <recede/shells/detail/mipmap_levels.h>
 #include <recede/shells/detail/volume_sampler.h>
 #include <recede/shells/volume_mipmap.h>
 
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace recede {
 
@@ -121,16 +124,30 @@ class SurfaceLevels {
   Shares shares_;  // that are inside, at others; of textures with colours
 };
 
-TransparentVolume transparent_level(const detail::MatterStatistics& statistics,
-                                    const VolumeTexture& texture) {
-  TransparentVolume level{.size = texture.size,
-                          .opacity = statistics.opacity(),
-                          .normals = statistics.normals(),
-                          .colors = texture.colors};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    level.correlation[static_cast<int>(axis)] = statistics.correlation(axis);
-  return level;
-}
+/// Transparent levels, from fine to coarse. Nothing is done before the first one is asked for.
+class MatterLevels {
+ public:
+  MatterLevels(const VolumeTexture& finest, double flatness) : finest_(finest), flatness_(flatness) {}
+
+  /// `texture` is that level as a surface.
+  TransparentVolume make(int number, const VolumeTexture& texture) {
+    if (!statistics_) statistics_.emplace(finest_, flatness_);
+    for (; number_ < number; ++number_) statistics_->halve();
+    TransparentVolume level{.size = texture.size,
+                            .opacity = statistics_->opacity(),
+                            .normals = statistics_->normals(),
+                            .colors = texture.colors};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      level.correlation[static_cast<int>(axis)] = statistics_->correlation(axis);
+    return level;
+  }
+
+ private:
+  const VolumeTexture& finest_;
+  double flatness_;
+  std::optional<detail::MatterStatistics> statistics_;
+  int number_ = 0;
+};
 
 /// Share of the texels that have an opacity of a half and more.
 double volume_of(const VolumeTexture& texture) {
@@ -170,6 +187,11 @@ std::shared_ptr<const VolumeMipmap> finest_only(VolumeTexture texture) {
 }
 
 VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& options) {
+  return detail::make_mipmap_to(std::numeric_limits<int>::max(), texture, options);
+}
+
+VolumeMipmap detail::make_mipmap_to(int last_level, const VolumeTexture& texture,
+                                    const MipmapOptions& options) {
   validate(texture, "a mipmap");
   if (!(options.least_share >= 0) || !(options.least_share <= 1))
     throw OptionError("the share that levels of surfaces keep must be from 0 to 1");
@@ -181,10 +203,11 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
   mipmap.surfaces.push_back(texture);
   const std::vector<detail::SeenLayer> exact = detail::measure_layer(texture);
   const double volume = volume_of(texture);
-  detail::MatterStatistics statistics(texture, options.flatness);
+  MatterLevels matter(texture, options.flatness);
   SurfaceLevels levels(texture);
   bool keeps_shape = true;
-  while (!is_one(levels.level().size)) {
+  int number = 0;
+  for (; !is_one(levels.level().size) && number <= last_level; ++number) {
     const VolumeTexture level = levels.level();
     levels.halve();
     if (keeps_shape) {
@@ -195,11 +218,10 @@ VolumeMipmap make_mipmap(const VolumeTexture& texture, const MipmapOptions& opti
     if (keeps_shape)
       mipmap.surfaces.push_back(levels.level());
     else
-      mipmap.transparent.push_back(transparent_level(statistics, level));
-    statistics.halve();
+      mipmap.transparent.push_back(matter.make(number, level));
   }
-  mipmap.transparent.push_back(transparent_level(statistics, levels.level()));
-  for (TransparentVolume& matter : mipmap.transparent) detail::calibrate(texture, exact, matter);
+  if (number <= last_level) mipmap.transparent.push_back(matter.make(number, levels.level()));
+  for (TransparentVolume& level : mipmap.transparent) detail::calibrate(texture, exact, level);
   return mipmap;
 }
 

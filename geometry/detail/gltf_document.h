@@ -18,6 +18,8 @@ namespace recede::detail {
 
 /// In the extras of a material that stands for none.
 inline constexpr const char* k_no_material = "no_material";
+/// Extra of images inside the file: the path by which materials of a soup name them.
+inline constexpr const char* k_picture_file = "picture_file";
 
 /// A value in the document and where it stands ("meshes[0].primitives"). Every access checks the type.
 class GltfValue {

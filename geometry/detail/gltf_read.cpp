@@ -99,11 +99,13 @@ class GltfReader {
     }
   }
 
-  // Images inside the file have no path that a material could name.
+  // Images inside the file have no path that a material could name, but for those that our writer put there.
   std::string image_path(std::size_t texture) const {
     const GltfValue source = document_.element("textures", texture)["source"];
     if (!source) return {};
-    const std::string uri = document_.element("images", source.integer())["uri"].text_or("");
+    const GltfValue image = document_.element("images", source.integer());
+    if (image["bufferView"]) return image["extras"][k_picture_file].text_or("");
+    const std::string uri = image["uri"].text_or("");
     return uri.starts_with("data:") ? std::string() : decode_percent(uri);
   }
 

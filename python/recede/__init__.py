@@ -31,9 +31,12 @@ from ._recede import (
     BakeResult,
     BillboardCloud,
     BillboardReflectance,
+    CadGap,
     CadInstance,
+    CadLevel,
     CadModel,
     CadPart,
+    CadSeams,
     Cancelled,
     DicedView,
     Distance,
@@ -72,7 +75,7 @@ from .volumes import carve, fill_shell, make_volume, move_matter, read_textured_
 
 __all__ = [
     "Appearance", "AreaLight", "Atlas", "AveragedDistance", "BakeResult", "BakedMaps", "BillboardCloud",
-    "BillboardReflectance", "CadInstance", "CadModel", "CadPart", "Cancelled", "DicedView", "DirectionalLight",
+    "BillboardReflectance", "CadGap", "CadInstance", "CadLevel", "CadModel", "CadPart", "CadSeams", "Cancelled", "DicedView", "DirectionalLight",
     "Distance", "EnvironmentLight", "Error", "FileReport", "Geomorph", "Hierarchy", "ImageDifference", "InputError", "Level",
     "LevelError", "MapFiles", "Material", "Mesh", "OneSidedDistance", "OptionError", "PointLight",
     "ProgressiveMesh", "RefinementReport", "RepairStep", "SelectiveMesh", "Shell", "ShellLayer", "SimplifyResult",
@@ -266,19 +269,20 @@ def bake_maps(fine: Mesh, coarse: Mesh, *, maps: Sequence[str] = ("displacement"
     return _recede.bake_maps(need_mesh("bake_maps", fine), need_mesh("bake_maps", coarse), settings, progress)
 
 
-def bake(mesh: Mesh, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
+def bake(surface: Mesh | CadModel, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
          ratios: Sequence[float] | None = None, errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
          pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
          map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
-         report: bool = True, billboards: bool = True, progress: Progress | None = None,
-         **options: Any) -> BakeResult:
+         report: bool = True, viewer_triangles: int = 200_000, billboards: bool = True, gap: float = 0,
+         use_connectivity: bool = True, progress: Progress | None = None, **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
 
     Levels are chosen by one of: numbers of `faces`, decreasing, or `ratios` of them (0.5, 0.25, 0.1, 0.03, 0.01 when
     nothing is given); certified `errors`, increasing, or `relative_errors`, shares of the diagonal; camera `distances`,
     increasing, whose errors follow from the view: `image_height` (pixels), vertical `field_of_view` (degrees) and
-    `pixel_error` (pixels). `up` points upwards in the report's pictures. Options are those of `simplify`.
+    `pixel_error` (pixels). `up` points upwards in the report's pictures, in whose viewer levels of more than
+    `viewer_triangles` are left out. Options are those of `simplify`.
 
     `maps` names what of the input is baked onto every coarser level: "displacement", "normal", "color". They have
     `map_size` texels a side; `map_format` "exr" writes heights and normals as floats too. The other options of maps
@@ -286,16 +290,29 @@ def bake(mesh: Mesh, folder: Path, *, name: str = "model", faces: Sequence[int] 
 
     Where billboards look more like the mesh from far away than triangles of as many bytes they become the last levels;
     `result.far_levels` says why or why not. `billboards` False doesn't try them.
+
+    A CAD model (`read_cad`) becomes triangles of its NURBS surfaces, see docs/cad.md: its levels are chosen by `errors`,
+    `relative_errors` (0.0003, 0.001, 0.003, 0.01, 0.03 when nothing is given) or `distances`, and the first error is that of
+    level 0. `gap` is the widest between patches that is sewn up, units of the model (0: half of the finest error);
+    without `use_connectivity` it is found by position which patches meet, even where the file knows it.
+    `result.cad_levels` and `result.cad_parts` say what became of patches and seams. `faces`, `ratios`, `maps` and options
+    of `simplify` are for meshes only, and raise `OptionError`; there are no billboards.
     """
-    if not (faces or ratios or errors or relative_errors or distances):
-        ratios = (0.5, 0.25, 0.1, 0.03, 0.01)
     levels = {"faces": list(faces or []), "ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
-              "up": list(up), "report": report, "billboards": billboards,
+              "up": list(up), "report": report, "viewer_triangles": viewer_triangles, "billboards": billboards,
+              "gap": gap, "use_connectivity": use_connectivity,
               **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
-    return _recede.bake(need_mesh("bake", mesh), folder, name, levels, settings, feature_angle, progress)
+    if isinstance(surface, CadModel):
+        for option, value in {"faces": faces, "ratios": ratios, "maps": maps, **options}.items():
+            if value is not None and value != ():
+                raise OptionError(f"{option} is for meshes, not for CAD models")
+        return _recede.bake_cad(surface, folder, name, levels, progress)
+    if gap != 0 or not use_connectivity:
+        raise OptionError("gap and use_connectivity are for CAD models")
+    return _recede.bake(need_mesh("bake", surface), folder, name, levels, settings, feature_angle, progress)
 
 
 def read_hierarchy(folder: Path) -> Hierarchy:
@@ -386,21 +403,22 @@ class SelectiveMesh:
         self._compiled = compiled
 
     def update(self, position: Sequence[float], target: Sequence[float] = (0, 0, 0), *, up: Sequence[float] = (0, 1, 0),
-               image_height: float = 1080, field_of_view: float = 45, pixel_error: float = 1, aspect_ratio: float = 1,
+               image_height: float = 1080, field_of_view: float = 45, pixel_error: float = 1, image_width: float | None = None,
                cull: bool = True, back_pixel_error: float | None = None, silhouette_pixel_error: float | None = None,
-               max_faces: int | None = None) -> RefinementReport:
+               faces: int | None = None) -> RefinementReport:
         """Refines and coarsens from where the last view left it, until errors of at most `pixel_error` pixels are seen.
 
-        Looks from `position` to `target`, object units; `field_of_view` is vertical, degrees. Faces that look away and
-        silhouettes may have errors of their own; `cull` leaves what is outside the image coarse; with `max_faces` the
+        Looks from `position` to `target`, object units; `field_of_view` is vertical, degrees; the image is as wide as high without
+        `image_width` (pixels). Faces that look away and
+        silhouettes may have errors of their own; `cull` leaves what is outside the image coarse; with at most so many `faces` the
         largest errors go first. Raises `OptionError` for what is out of range.
         """
         view = _recede.RefinementView()
         view.position, view.target, view.up = position, target, up
         view.image_height, view.field_of_view, view.pixel_error = image_height, field_of_view * pi / 180, pixel_error
-        view.aspect_ratio, view.cull = aspect_ratio, cull
+        view.aspect_ratio, view.cull = (image_width or image_height) / image_height, cull
         view.back_pixel_error, view.silhouette_pixel_error = back_pixel_error, silhouette_pixel_error
-        view.max_faces = max_faces
+        view.faces = faces
         return self._compiled.update(view)
 
     def update_error(self, error: float) -> RefinementReport:
@@ -497,14 +515,14 @@ def read_appearance(path: Path) -> Appearance:
     return _recede.read_appearance(path)
 
 
-def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = None, error: float | None = None,
+def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", subdivision_level: int | None = None, error: float | None = None,
               creases: Sequence[tuple[int, int, float]] = (), corners: Sequence[tuple[int, float]] = (),
               crease_angle: float | None = None, crease_sharpness: float = 10, feature_sharpness: float = 0,
               border: str = "edge-and-corner", uv_interpolation: str = "boundaries", creasing: str = "uniform",
               progress: Progress | None = None) -> Subdivision:
     """The limit surface of a control mesh: points on it, their normals, and the facets between them.
 
-    `scheme` is "catmull-clark" or "loop" (triangles; other polygons are cut first). `level` (2 when neither is given) is
+    `scheme` is "catmull-clark" or "loop" (triangles; other polygons are cut first). `subdivision_level` (2 when neither is given) is
     the number of refinements, 0 to 10; `error` takes the least one whose `error_estimate` is no larger, object units.
     `creases` are edges (vertex, vertex, sharpness), `corners` vertices (vertex, sharpness); from 10 on they are
     sharp for ever. Edges whose faces meet at more than `crease_angle` (degrees) get `crease_sharpness`, the mesh's feature
@@ -513,9 +531,9 @@ def subdivide(mesh: Mesh, *, scheme: str = "catmull-clark", level: int | None = 
 
     Raises `InputError` for a mesh that isn't manifold, `OptionError` for what is out of range.
     """
-    if level is not None and error is not None:
-        raise OptionError("level and error exclude each other")
-    options = {"scheme": scheme, "level": level, "error": error, "creases": list(creases),
+    if subdivision_level is not None and error is not None:
+        raise OptionError("subdivision_level and error exclude each other")
+    options = {"scheme": scheme, "subdivision_level": subdivision_level, "error": error, "creases": list(creases),
                "corners": list(corners), "crease_angle": None if crease_angle is None else crease_angle * pi / 180,
                "crease_sharpness": crease_sharpness, "feature_sharpness": feature_sharpness, "border": border,
                "uv_interpolation": uv_interpolation, "creasing": creasing}
@@ -529,7 +547,7 @@ def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: n
            noise: float = 0, light_sampling: str = "both", periodic: bool = False, subdivision_level: int | None = None,
            appearance: Appearance | None = None, representation: str = "auto", transition_distance: float | None = None,
            show_methods: bool = False, reflectance: BillboardReflectance | None = None,
-           matter_color: Sequence[float] | None = None, progress: Progress | None = None) -> np.ndarray:
+           matter_color: Sequence[float] | None = None, coverage: bool = False, progress: Progress | None = None) -> np.ndarray:
     """A picture: `image_height` x `image_width` x 3 floats, linear red, green and blue, 1 is the white of a screen.
 
     Without `eye` (object units) the whole mesh is seen from in front; `look_at` is otherwise its middle. `field_of_view`
@@ -555,6 +573,9 @@ def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: n
     (`make_billboard_reflectance`). A textured shell is drawn with its matter over what is left of the body;
     `matter_color`, linear light, is that of matter without colours.
 
+    With `coverage` the result is `image_height` x `image_width` floats instead, the share of each pixel that the surface covers:
+    a `mask` for `diff`. Light and wireframe don't matter then, and there is no ground.
+
     Raises `OptionError` for what is out of range, `InputError` for an environment that can't be read, for maps without
     heights and for a mesh without texture coordinates.
     """
@@ -562,10 +583,10 @@ def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: n
         raise OptionError("lights need lighting \"direct\" or \"path\"")
     options = {"lighting": lighting, "lights": None if lights is None else light_tuples(lights), "ambient": ambient,
                "bounces": bounces, "noise": noise, "light_sampling": light_sampling, "samples": samples,
-               "wireframe": wireframe, "flat": flat, "ground": ground, "height": height, "periodic": periodic,
+               "wireframe": wireframe, "flat": flat, "ground": ground and not coverage, "height": height, "periodic": periodic,
                "subdivision_level": subdivision_level, "appearance": appearance, "representation": representation,
                "transition_distance": transition_distance, "show_methods": show_methods, "reflectance": reflectance,
-               "matter_color": matter_color}
+               "matter_color": matter_color, "coverage": coverage}
     if appearance is not None and height is None and not isinstance(surface, BakedMaps):
         raise TypeError("an appearance is that of heights, and there are none")
     if reflectance is not None and not isinstance(surface, BillboardCloud):

@@ -379,6 +379,12 @@ class BakeResult:
         """Why billboards or triangles stand far away"""
     @property
     def report(self) -> Optional[Path]: ...
+    @property
+    def cad_levels(self) -> list[CadLevel]:
+        """Of CAD models, one for each level"""
+    @property
+    def cad_parts(self) -> list[CadSeams]:
+        """Of CAD models, one for each part"""
 
 class Hierarchy:
     """Levels of detail that were read; finest first, level 0 is the input."""
@@ -608,7 +614,7 @@ class RefinementView:
     cull: bool
     back_pixel_error: Optional[float]
     silhouette_pixel_error: Optional[float]
-    max_faces: Optional[int]
+    faces: Optional[int]
     def __init__(self) -> None: ...
 
 class SelectiveMesh:
@@ -709,6 +715,55 @@ class CadInstance:
     @property
     def material(self) -> Optional[int]: ...
 
+class CadLevel:
+    @property
+    def patches(self) -> int:
+        """That haven't vanished"""
+    @property
+    def triangles(self) -> int: ...
+    @property
+    def tightened(self) -> int:
+        """Patches with finer seams than the error asks for"""
+    @property
+    def missed(self) -> list[str]:
+        """A line for each patch that isn't within the level's error"""
+
+class CadGap:
+    """Where patches that should meet are farther apart than what is sewn up."""
+    @property
+    def patch(self) -> int:
+        """Its number in the part"""
+    @property
+    def other(self) -> int: ...
+    @property
+    def point(self) -> tuple[float, float, float]: ...
+    @property
+    def distance(self) -> float: ...
+
+class CadSeams:
+    """What was found where a part was sewn."""
+    @property
+    def part(self) -> str: ...
+    @property
+    def patches(self) -> int: ...
+    @property
+    def sewing_points(self) -> int: ...
+    @property
+    def edges_of_file(self) -> int: ...
+    @property
+    def edges_by_position(self) -> int: ...
+    @property
+    def free_edges(self) -> int: ...
+    @property
+    def crowded_edges(self) -> int: ...
+    @property
+    def turned(self) -> int:
+        """Patches whose front was turned to agree with their neighbours'"""
+    @property
+    def largest_move(self) -> float: ...
+    @property
+    def gaps(self) -> list[CadGap]: ...
+
 class CadModel:
     @property
     def parts(self) -> list[CadPart]: ...
@@ -737,7 +792,7 @@ def write_billboards(
 def named_volume(name: str, texels: int, settings: Mapping[str, Any], progress: _Progress) -> VolumeTexture: ...
 def volume_from_arrays(opacity: npt.ArrayLike, colors: Optional[npt.ArrayLike], extent: Sequence[float], periodic: bool,
                        ramp: float) -> VolumeTexture: ...
-def fill_with_volume(shell: Shell, volume: VolumeTexture, side: str, repeat: Sequence[float],
+def fill_with_volume(shell: Shell, volume: VolumeTexture, side: str, repeat: Optional[Sequence[float]],
                      offset: Sequence[float]) -> TexturedShell: ...
 def fill_with_matter(shell: Shell, opacity: float, side: str, size: Sequence[int]) -> TexturedShell: ...
 def carve(textured: TexturedShell, tool: Any, operation: str, settings: Mapping[str, Any],
@@ -777,6 +832,9 @@ def compare(
 def bake(
     mesh: Mesh, folder: _Path, name: str, levels: dict[str, Any], options: dict[str, Any], feature_angle: float,
     progress: _Progress,
+) -> BakeResult: ...
+def bake_cad(
+    model: CadModel, folder: _Path, name: str, levels: dict[str, Any], progress: _Progress
 ) -> BakeResult: ...
 def read_hierarchy(path: _Path) -> Hierarchy: ...
 def bake_maps(fine: Mesh, coarse: Mesh, settings: dict[str, Any], progress: _Progress) -> BakedMaps: ...

@@ -18,7 +18,7 @@ def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
                      relative_errors: Sequence[float] | None = None, method: str = "clusters",
                      normal_deviation: float = 60, waste: float = 4, two_sided: bool = False, neighbours: int = 50,
                      textures: bool = True, texels_per_error: float = 1, samples: int = 4, overlap: int = 2,
-                     gutter: int = 1, budget: int | None = None,
+                     gutter: int = 1, most_bytes: int | None = None,
                      progress: Progress | None = None) -> list[BillboardCloud]:
     """Rectangles that stand for a mesh, or loose polygons, from far away: a cloud for each error, finest first.
 
@@ -30,13 +30,13 @@ def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
 
     Textures (colour with opacity, normals, heights) have texels of the error over `texels_per_error`, and `samples`
     rays along each side of them. `overlap` texels beside its own faces a rectangle shows those of others; `gutter`
-    texels are between rectangles. `budget`: instead of errors, the one cloud of least error whose textures take at
+    texels are between rectangles. `most_bytes`: instead of errors, the one cloud of least error whose textures take at
     most as many bytes. Raises `OptionError` when none fits.
     """
     settings = {"errors": list(errors or []), "relative_errors": list(relative_errors or []), "method": method,
                 "normal_deviation": normal_deviation, "waste": waste, "two_sided": two_sided,
                 "neighbours": neighbours, "texels_per_error": texels_per_error, "samples": samples,
-                "overlap": overlap, "gutter": gutter, "budget": budget}
+                "overlap": overlap, "gutter": gutter, "most_bytes": most_bytes}
     return _recede.build_billboards(need_mesh("build_billboards", mesh), settings, textures, progress)
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thickness: float | None = None,
                 thicknesses: Sequence[float] | None = None, side: str = "exterior", directors: str = "averaged",
                 power: float = 3, form: str = "calibrated", step: float = 0.25, border_extension: float = 2.5,
-                repair: bool = True, at_least_normals: bool = True, subdivide: int | None = None, scheme: str = "catmull-clark",
+                repair: bool = True, at_least_normals: bool = True, subdivision_level: int | None = None, scheme: str = "catmull-clark",
                 crease_angle: float | None = None, interpolate_directors: int = 0,
                 progress: Progress | None = None) -> Shell:
     """A layer of space over a surface, proved to be valid, or what is wrong with it.
@@ -33,7 +33,7 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
     `repair` directors are shortened until the layer is valid, and with `at_least_normals` plain normals take their place where
     those are longer on average and valid all over the surface. See docs/shells.md.
 
-    With `subdivide` the mesh is a control mesh, and the shell that of its limit surface, refined so many times; `scheme` and
+    With `subdivision_level` the mesh is a control mesh, and the shell that of its limit surface, refined so many times; `scheme` and
     `crease_angle` are those of `recede.subdivide`. Directors are then traced at the points of `interpolate_directors` levels
     below, and the others stand between them. `relative_thickness` is a share of the control mesh's diagonal.
 
@@ -50,11 +50,11 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
                 "side": side, "directors": directors, "power": power, "form": form, "step": step,
                 "border_extension": border_extension, "repair": repair,
                 "at_least_normals": at_least_normals}
-    if subdivide is None:
+    if subdivision_level is None:
         if scheme != "catmull-clark" or crease_angle is not None or interpolate_directors != 0:
-            raise OptionError("scheme, crease_angle and interpolate_directors need subdivide")
+            raise OptionError("scheme, crease_angle and interpolate_directors need subdivision_level")
         return _recede.build_shell(mesh, settings, progress)
-    settings |= {"level": subdivide, "scheme": scheme, "interpolated_levels": interpolate_directors,
+    settings |= {"level": subdivision_level, "scheme": scheme, "interpolated_levels": interpolate_directors,
                  "crease_angle": None if crease_angle is None else crease_angle * pi / 180}
     return _recede.build_subdivided_shell(mesh, settings, progress)
 

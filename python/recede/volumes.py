@@ -56,11 +56,12 @@ def _bytes(opacity: npt.ArrayLike) -> np.ndarray:
 
 
 def fill_shell(shell: Shell, volume: VolumeTexture | str, *, side: str = "exterior",
-               repeat: Sequence[float] = (1, 1), offset: Sequence[float] = (0, 0), texels: int = 512,
+               repeat: Sequence[float] | None = None, offset: Sequence[float] = (0, 0), texels: int = 512,
                layers: int = 16) -> TexturedShell:
     """A volume texture in a layer of a shell, whose base has texture coordinates (`make_atlas`).
 
-    `volume` lies `repeat` times over texture coordinates from 0 to 1, moved by `offset` periods. "solid" or "empty" fills
+    `volume` lies `repeat` times over texture coordinates from 0 to 1 (None: so often that it keeps its proportions in a layer as
+    thick), moved by `offset` periods. "solid" or "empty" fills
     the layer with matter, or leaves it to `carve`, in `texels` x `texels` x `layers`; texture coordinates then are from
     0 to 1 and don't overlap.
 

@@ -103,11 +103,11 @@ TEST(BillboardsCommand, KeepsToABudget) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 500), out = folder / "out";
   const nlohmann::json result =
-      json_of(run_recede({"billboards", sphere, "--folder", out, "--budget", "64kb", "--json"}));
+      json_of(run_recede({"billboards", sphere, "--folder", out, "--most-bytes", "64kb", "--json"}));
   ASSERT_EQ(result["clouds"].size(), 1u);
   EXPECT_LE(result["clouds"][0]["textures"]["bytes"], 65536);
   EXPECT_GT(result["clouds"][0]["textures"]["bytes"], 32768);
-  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--budget", "7"}), 2), HasSubstr("too few"));
+  EXPECT_THAT(complaint_of(run_recede({"billboards", sphere, "--most-bytes", "7"}), 2), HasSubstr("too few"));
 }
 
 TEST(BillboardsCommand, WritesReflectanceThatRenderDraws) {

@@ -2,7 +2,10 @@
 #include <recede/render/image_difference.h>
 #include <recede/render/image_io.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 
 namespace recede::test {
 namespace {
@@ -152,6 +155,81 @@ TEST(Diff, HasTheSameMapForAnyNumberOfThreads) {
   run_recede({"diff", p.a_file, p.b_file, "-o", one, "--threads", "1"});
   run_recede({"diff", p.a_file, p.b_file, "-o", two, "--threads", "2"});
   EXPECT_EQ(read_whole_file(one), read_whole_file(two));
+}
+
+/// The commands of the page, with files in the folder.
+std::vector<std::vector<std::string>> commands_of_page(const TempFolder& folder) {
+  std::istringstream page(read_whole_file(std::filesystem::path(RECEDE_SOURCE) / "docs/diff.md"));
+  std::vector<std::vector<std::string>> commands;
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("recede ")) continue;
+    std::istringstream words(line.substr(7));
+    commands.emplace_back();
+    for (std::string word; words >> word;)
+      commands.back().push_back(word.ends_with(".png") || word.ends_with(".ply") ? std::string(folder / word)
+                                                                                 : word);
+  }
+  return commands;
+}
+
+TEST(DiffCommand, LooksWhereTheModelIsAsThePageSays) {
+  const TempFolder folder;
+  std::vector<std::vector<std::string>> commands = commands_of_page(folder);
+  ASSERT_EQ(commands.size(), 4u);
+  nlohmann::json json;
+  for (std::vector<std::string>& command : commands) {
+    command.push_back("--json");
+    json = json_of(run_recede(command));
+  }
+  // The teapot covers some of the picture, and there alone it differs more than on the whole.
+  const double seen = json["pixels"].get<double>() / (800 * 600);
+  EXPECT_GT(seen, 0.1);
+  EXPECT_LT(seen, 0.6);
+  std::vector<std::string> whole = commands.back();
+  whole.erase(std::find(whole.begin(), whole.end(), "--mask"), whole.end());
+  whole.push_back("--json");
+  const double of_all = json_of(run_recede(whole))["flip"];
+  // Differences along the outline, just outside of the mask, count for the whole only.
+  EXPECT_NEAR(json["flip"].get<double>() * seen, of_all, 0.2 * of_all);
+}
+
+TEST(DiffCommand, MasksHaveTheShareOfThePixelThatIsSeen) {
+  const TempFolder folder;
+  folder.write("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  const std::string mask_file = folder / "mask.exr";
+  // One unit away a field of view of 90 degrees is two units wide: 8 pixels are one unit.
+  const std::vector<std::string> view{"render",
+                                      folder / "square.obj",
+                                      "--eye",
+                                      "0",
+                                      "0.5",
+                                      "1",
+                                      "--look-at",
+                                      "0",
+                                      "0.5",
+                                      "0",
+                                      "-o",
+                                      folder / "a.png",
+                                      "--image-width",
+                                      "16",
+                                      "--image-height",
+                                      "16",
+                                      "--field-of-view",
+                                      "90",
+                                      "--mask",
+                                      mask_file};
+  std::vector<std::string> with_ground = view;
+  with_ground.insert(with_ground.end(), {"--ground", "--lighting", "direct", "--wireframe", "--json"});
+  EXPECT_EQ(json_of(run_recede(with_ground))["mask"], mask_file);
+  const Image mask = read_image(mask_file);
+  ASSERT_EQ(mask.width, 16);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) {
+      const bool is_seen = x >= 8 && y >= 4 && y < 12;
+      EXPECT_EQ(mask.pixels[static_cast<std::size_t>(16 * y + x)], Rgb(Rgb::Constant(is_seen ? 1.0f : 0.0f)))
+          << x << ' ' << y;
+    }
+  }
 }
 
 }  // namespace

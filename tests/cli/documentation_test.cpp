@@ -123,7 +123,7 @@ TEST(Documentation, ExplainsEveryFieldOfTheJsonThatTheCommandPrints) {
            {"carve", out + ".shell", "-o", out + "_ball.shell", "--ball", "0", "0", "1", "0.3", "--json"},
            {"carve", out + ".shell", "-o", out + "_copy.shell", "--move", "0", "0", "1", "--to", "0", "1",
             "0", "--radius", "0.3", "--copy", "--json"},
-           {"subdivide", sphere, "-o", out + ".obj", "--level", "0", "--json"},
+           {"subdivide", sphere, "-o", out + ".obj", "--subdivision-level", "0", "--json"},
            {"progressive", sphere, "-o", out + ".pmesh", "--json"},
            {"extract", out + ".pmesh", "-o", out + ".ply", "--json"},
            {"extract", out + ".pmesh", "-o", out + "_morph.ply", "--morph-ratio", "0.1", "--json"},

@@ -21,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(
     Commands, KilledCommand,
     testing::Values(Killed{"Simplify", {"simplify", "IN", "-o", "OUT.glb", "--ratio", "0.5"}},
                     // Large enough to be caught while it is written.
-                    Killed{"Subdivide", {"subdivide", "IN", "-o", "OUT.ply", "--level", "4"}},
+                    Killed{"Subdivide", {"subdivide", "IN", "-o", "OUT.ply", "--subdivision-level", "4"}},
                     Killed{"Bake",
                            {"bake", "IN", "-o", "OUT", "--ratios", "0.5", "0.2", "--maps", "normal",
                             "--map-size", "1024", "--no-report", "--no-billboards"}},

@@ -107,7 +107,7 @@ TEST(ShellCommand, BuildsTheShellOfALimitSurface) {
                "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
                "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
   const std::vector<std::string> arguments{
-      "shell", folder / "cube.obj", "--thickness", "0.2", "--json", "--subdivide", "3"};
+      "shell", folder / "cube.obj", "--thickness", "0.2", "--json", "--subdivision-level", "3"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), arguments.begin(), arguments.end());
     return more;
@@ -125,12 +125,13 @@ TEST(ShellCommand, BuildsTheShellOfALimitSurface) {
   const std::string out = folder / "creased.ply";
   EXPECT_TRUE(json_of(run_recede(with({"--crease-angle", "30", "-o", out})))["is_valid"]);
   EXPECT_NEAR(bounding_box(read_soup(out)).sizes().maxCoeff(), 2.4, 0.001);
-  EXPECT_THAT(run_recede({"shell", folder / "cube.obj", "--thickness", "0.2", "--subdivide", "2"}).output,
-              HasSubstr("98 traced of 98"));
+  EXPECT_THAT(
+      run_recede({"shell", folder / "cube.obj", "--thickness", "0.2", "--subdivision-level", "2"}).output,
+      HasSubstr("98 traced of 98"));
   EXPECT_THAT(complaint_of(run_recede(with({"--interpolate-directors", "4"})), 2),
               HasSubstr("0 to 3 levels"));
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--scheme", "loop"}), 2),
-              HasSubstr("--subdivide"));
+              HasSubstr("--subdivision-level"));
 }
 
 TEST(ShellCommand, SaysWhatCantBe) {

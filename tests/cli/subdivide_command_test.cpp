@@ -19,7 +19,8 @@ std::string write_cube(const TempFolder& folder) {
 TEST(SubdivideCommand, WritesThePointsOfTheLimitSurface) {
   const TempFolder folder;
   const std::string cube = write_cube(folder), out = folder / "smooth.obj";
-  const json result = json_of(run_recede({"subdivide", cube, "-o", out, "--level", "3", "--json"}));
+  const json result =
+      json_of(run_recede({"subdivide", cube, "-o", out, "--subdivision-level", "3", "--json"}));
   EXPECT_EQ(result.at("scheme"), "catmull-clark");
   EXPECT_EQ(result.at("subdivision_level"), 3);
   EXPECT_EQ(result.at("faces_before"), 6);
@@ -44,7 +45,7 @@ TEST(SubdivideCommand, ChoosesTheLevelByTheTolerance) {
     const json result = json_of(run_recede({"subdivide", cube, "-o", out, "--error", "0.01", "--json"}));
     EXPECT_LE(result.at("error_estimate"), 0.01);
     const json coarser =
-        json_of(run_recede({"subdivide", cube, "-o", out, "--level",
+        json_of(run_recede({"subdivide", cube, "-o", out, "--subdivision-level",
                             std::to_string(result.at("subdivision_level").get<int>() - 1), "--json"}));
     EXPECT_GT(coarser.at("error_estimate"), 0.01);
   }
@@ -60,8 +61,8 @@ TEST(SubdivideCommand, KeepsSharpEdgesAndBorders) {
   const json softer = json_of(run_recede(
       {"subdivide", cube, "-o", out, "--crease-angle", "60", "--crease-sharpness", "1.5", "--json"}));
   EXPECT_GT(softer.at("error_estimate"), 1e-3);
-  const json loop = json_of(run_recede(
-      {"subdivide", cube, "-o", out, "--scheme", "loop", "--level", "1", "--border", "edge-only", "--json"}));
+  const json loop = json_of(run_recede({"subdivide", cube, "-o", out, "--scheme", "loop",
+                                        "--subdivision-level", "1", "--border", "edge-only", "--json"}));
   EXPECT_EQ(loop.at("triangulated"), 6);
   EXPECT_EQ(loop.at("faces"), 48);
   EXPECT_THAT(run_recede({"subdivide", cube, "-o", out, "--scheme", "loop"}).remarks,
@@ -73,14 +74,15 @@ TEST(SubdivideCommand, RefusesWhatItCannotDo) {
   const std::string cube = write_cube(folder), out = folder / "out.ply";
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", folder / "a.xyz"}), 1),
               HasSubstr("unknown kind"));
-  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "11"}), 2),
-              HasSubstr("--level"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--subdivision-level", "11"}), 2),
+              HasSubstr("--subdivision-level"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--error", "-1"}), 2),
-              HasSubstr("tolerance"));
-  EXPECT_THAT(complaint_of(run_recede({"subdivide", "teapot", "-o", out, "--level", "10"}), 2),
+              HasSubstr("the error must be positive"));
+  EXPECT_THAT(complaint_of(run_recede({"subdivide", "teapot", "-o", out, "--subdivision-level", "10"}), 2),
               HasSubstr("more than 50000000"));
-  EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--level", "1", "--error", "1"}), 2),
-              HasSubstr("--error"));
+  EXPECT_THAT(
+      complaint_of(run_recede({"subdivide", cube, "-o", out, "--subdivision-level", "1", "--error", "1"}), 2),
+      HasSubstr("--error"));
   EXPECT_THAT(complaint_of(run_recede({"subdivide", cube, "-o", out, "--scheme", "doo-sabin"}), 2),
               HasSubstr("catmull-clark, loop"));
   EXPECT_THAT(names_below(folder / ""), testing::ElementsAre("cube.obj"));

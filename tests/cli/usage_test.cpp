@@ -76,8 +76,8 @@ TEST(Usage, TakesHyphensForUnderscoresInNames) {
     return read_whole_file(folder / "a.ply");
   };
   EXPECT_EQ(simplified("normal-deviation", "half-edge"), simplified("normal_deviation", "half_edge"));
-  EXPECT_EQ(json_of(run_recede({"subdivide", sphere, "-o", folder / "b.ply", "--level", "0", "--scheme",
-                                "catmull_clark", "--json"}))["scheme"],
+  EXPECT_EQ(json_of(run_recede({"subdivide", sphere, "-o", folder / "b.ply", "--subdivision-level", "0",
+                                "--scheme", "catmull_clark", "--json"}))["scheme"],
             "catmull-clark");
 }
 
@@ -173,7 +173,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"UnknownFootprint", {"dice", "teapot", "--footprint", "round"}, "by_side, mean, none"},
         BadValue{"PictureWithoutPixels", {"dice", "teapot", "--image-width", "0"}, "--image-width"},
         BadValue{"MeshWithoutHeights", {"dice", "teapot"}, "--displacement-map"},
-        BadValue{"LevelAboveTen", {"subdivide", "teapot", "--level", "11"}, "--level"},
+        BadValue{
+            "LevelAboveTen", {"subdivide", "teapot", "--subdivision-level", "11"}, "--subdivision-level"},
         BadValue{
             "SharpnessWithoutAngle", {"subdivide", "teapot", "--crease-sharpness", "1"}, "--crease-angle"},
         BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),

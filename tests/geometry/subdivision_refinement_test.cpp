@@ -230,10 +230,10 @@ TEST(Subdivision, ARealModelOfPolygonsIsRefinedToItsTolerance) {
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no models; ./dev data fetches them";
   PolygonSoup control = to_soup(read_mesh(path).mesh);
   SubdivisionOptions options;
-  options.tolerance = 1e-3 * bounding_box(control).diagonal().norm();
+  options.error = 1e-3 * bounding_box(control).diagonal().norm();
   const SubdivisionResult result = subdivide(control, options);
-  EXPECT_LE(result.error_estimate, *options.tolerance);
-  EXPECT_LE(sampled_error(control, options, result.soup, 24), 1.1 * *options.tolerance);
+  EXPECT_LE(result.error_estimate, *options.error);
+  EXPECT_LE(sampled_error(control, options, result.soup, 24), 1.1 * *options.error);
   const MeshSummary before = summarize(to_polygon_mesh(control)),
                     after = summarize(to_polygon_mesh(result.soup));
   EXPECT_EQ(after.border_edges, before.border_edges << result.level);

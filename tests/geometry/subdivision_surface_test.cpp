@@ -361,7 +361,7 @@ TEST(Subdivision, AToleranceTakesTheLeastLevelWithinIt) {
       errors.push_back(subdivide(control_cube(), with_level(level, scheme)).error_estimate);
     for (const int level : {0, 2, 4}) {
       SubdivisionOptions options = with_level(0, scheme);
-      options.tolerance = 1.01 * errors[std::size_t(level)];
+      options.error = 1.01 * errors[std::size_t(level)];
       const SubdivisionResult result = subdivide(control_cube(), options);
       EXPECT_EQ(result.level, level);
       EXPECT_EQ(result.error_estimate, errors[std::size_t(level)]);
@@ -422,8 +422,8 @@ TEST(Subdivision, OptionsOutOfRangeAreNamed) {
   };
   EXPECT_THAT(complaint([](auto& o) { o.level = -1; }), HasSubstr("0 to 10"));
   EXPECT_THAT(complaint([](auto& o) { o.level = 11; }), HasSubstr("0 to 10"));
-  EXPECT_THAT(complaint([](auto& o) { o.tolerance = 0; }), HasSubstr("positive"));
-  EXPECT_THAT(complaint([](auto& o) { o.tolerance = std::nan(""); }), HasSubstr("positive"));
+  EXPECT_THAT(complaint([](auto& o) { o.error = 0; }), HasSubstr("positive"));
+  EXPECT_THAT(complaint([](auto& o) { o.error = std::nan(""); }), HasSubstr("positive"));
   EXPECT_THAT(complaint([](auto& o) { o.crease_angle = 4; }), HasSubstr("crease angle"));
   EXPECT_THAT(complaint([](auto& o) { o.crease_sharpness = -1; }), HasSubstr("sharpness"));
   EXPECT_THAT(complaint([](auto& o) { o.creases = {{0, 1, std::nan("")}}; }), HasSubstr("sharpness"));
@@ -432,7 +432,7 @@ TEST(Subdivision, OptionsOutOfRangeAreNamed) {
   EXPECT_THAT(complaint([](auto& o) { o.corners = {{8, 1}}; }), HasSubstr("8 is no vertex"));
   EXPECT_THAT(complaint_about(test::grid(10), with_level(10)), HasSubstr("more than 50000000"));
   SubdivisionOptions fine;
-  fine.tolerance = 1e-12;
+  fine.error = 1e-12;
   fine.boundary = SubdivisionBoundary::edge_only;
   EXPECT_THAT(complaint_about(test::grid(1), fine), HasSubstr("needs more than 10 levels"));
 }

@@ -109,9 +109,30 @@ TEST(LodHierarchy, AnErrorThatNothingKeepsRepeatsTheLevelBefore) {
   EXPECT_LE(h.levels[1].error.bound, 1e-9);
 }
 
+TEST(LodHierarchy, RelativeErrorsAreSharesOfTheDiagonal) {
+  const PolygonMesh mesh = mesh_of(make_displaced_sphere(2000, false));
+  HierarchyOptions options;
+  options.relative_errors = {0.01};
+  const LodHierarchy by_shares = build_hierarchy(mesh, "ball", options);
+  const double diagonal = summarize(mesh).box.diagonal().norm();
+  EXPECT_LE(by_shares.levels[1].error.bound, 0.01 * diagonal);
+  options.relative_errors.clear();
+  options.errors = {0.01 * diagonal};
+  EXPECT_EQ(build_hierarchy(mesh, "ball", options).levels[1].mesh.n_faces(),
+            by_shares.levels[1].mesh.n_faces());
+}
+
+TEST(LodHierarchy, HasLevelsWithoutOptions) {
+  const PolygonMesh mesh = mesh_of(make_displaced_sphere(2000, false));
+  const LodHierarchy h = build_hierarchy(mesh, "ball", {});
+  ASSERT_EQ(h.levels.size(), 6u);
+  const double shares[] = {1, 0.5, 0.25, 0.1, 0.03, 0.01};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_LE(h.levels[i].mesh.n_faces(), std::ceil(shares[i] * static_cast<double>(mesh.n_faces()))) << i;
+}
+
 TEST(LodHierarchy, RefusesContradictingOptions) {
   const PolygonMesh mesh = mesh_of(test::grid(2));
-  EXPECT_THROW(build_hierarchy(mesh, "x", {}), OptionError);
   HierarchyOptions both = by_ratios({0.5});
   both.errors = {1};
   EXPECT_THROW(build_hierarchy(mesh, "x", both), OptionError);
@@ -126,6 +147,17 @@ nlohmann::json json_of_glb(const fs::path& path) {
   std::uint32_t length = 0;
   std::copy_n(bytes.data() + 12, 4, reinterpret_cast<char*>(&length));
   return nlohmann::json::parse(bytes.substr(20, length));
+}
+
+std::string picture_of_glb(const fs::path& path, std::size_t image) {
+  const nlohmann::json document = json_of_glb(path), picture = document.at("images").at(image);
+  const nlohmann::json view = document.at("bufferViews").at(picture.at("bufferView").get<std::size_t>());
+  EXPECT_EQ(picture.at("mimeType"), "image/png");
+  const std::string bytes = read_whole_file(path);
+  std::uint32_t length = 0;  // of the JSON; the binary chunk's data start 8 bytes behind it
+  std::copy_n(bytes.data() + 12, 4, reinterpret_cast<char*>(&length));
+  return bytes.substr(20 + length + 8 + view.at("byteOffset").get<std::size_t>(),
+                      view.at("byteLength").get<std::size_t>());
 }
 
 TEST(LodHierarchy, TheGlbNamesItsLevelsOnTheFirstSceneNode) {
@@ -146,7 +178,7 @@ TEST(LodHierarchy, TheGlbNamesItsLevelsOnTheFirstSceneNode) {
   EXPECT_EQ(read_soup(files.glb).n_faces(), 2 * h.levels[0].mesh.n_faces());
 }
 
-TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesThatTheGlbNames) {
+TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesAndInTheGlb) {
   const test::TempFolder folder;
   HierarchyOptions options = by_ratios({0.3, 0.1});
   options.maps = MapOptions{.size = 128};
@@ -167,8 +199,7 @@ TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesThatTheGlbNames) {
 
     const nlohmann::json& mesh = glb.at("meshes")[i];
     const nlohmann::json& heights = mesh.at("extras").at("recede_displacement");
-    const std::string start = "red%20ball.recede/level_" + std::to_string(i);
-    EXPECT_EQ(heights.at("uri"), start + "_displacement.png");
+    EXPECT_EQ(picture_of_glb(files.glb, heights.at("image")), encode_png(maps.displacement));
     EXPECT_EQ(heights.at("scale"), maps.height_scale);
     EXPECT_EQ(heights.at("offset"), maps.height_offset);
     ASSERT_EQ(mesh.at("primitives").size(), 1u);
@@ -176,13 +207,14 @@ TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesThatTheGlbNames) {
     EXPECT_TRUE(primitive.at("attributes").contains("TANGENT"));
     EXPECT_FALSE(primitive.at("attributes").contains("COLOR_0")) << "colours are in the map";
     const nlohmann::json& material = glb.at("materials")[primitive.at("material").get<std::size_t>()];
-    const auto uri_of = [&](const nlohmann::json& texture) {
-      const auto source = glb.at("textures")[texture.at("index").get<std::size_t>()].at("source");
-      return glb.at("images")[source.get<std::size_t>()].at("uri").get<std::string>();
+    const auto picture = [&](const nlohmann::json& texture) {
+      return picture_of_glb(files.glb,
+                            glb.at("textures")[texture.at("index").get<std::size_t>()].at("source"));
     };
-    EXPECT_EQ(uri_of(material.at("normalTexture")), start + "_normal.png");
-    EXPECT_EQ(uri_of(material.at("pbrMetallicRoughness").at("baseColorTexture")), start + "_color.png");
+    EXPECT_EQ(picture(material.at("normalTexture")), encode_png(maps.normal));
+    EXPECT_EQ(picture(material.at("pbrMetallicRoughness").at("baseColorTexture")), encode_png(maps.color));
   }
+  for (const nlohmann::json& image : glb.at("images")) EXPECT_FALSE(image.contains("uri"));
   EXPECT_FALSE(glb.at("meshes")[0].contains("extras"));
   const LodHierarchy back = read_hierarchy(files.folder);
   ASSERT_EQ(back.levels.size(), 3u);
@@ -220,11 +252,7 @@ TEST(LodHierarchy, FloatMapsLieBesideTheOthersAndAreNamed) {
   for (std::size_t i = 0; i < normal.samples.size(); ++i)
     ASSERT_NEAR(normal.samples[i], maps.float_normal.samples[i], 1.0 / 4096)
         << "half a step of halves below 1";
-  EXPECT_TRUE(std::filesystem::exists(files.map_files[1].displacement)) << "what the GLB names";
-  const nlohmann::json heights =
-      json_of_glb(files.glb).at("meshes")[1].at("extras").at("recede_displacement");
-  EXPECT_EQ(heights.at("uri"), "ball.recede/level_1_displacement.png");
-  EXPECT_EQ(heights.at("exr"), "ball.recede/level_1_displacement.exr");
+  EXPECT_TRUE(std::filesystem::exists(files.map_files[1].displacement)) << "what the GLB has";
   const auto document = nlohmann::json::parse(read_whole_file(files.folder / "hierarchy.json"));
   EXPECT_EQ(document.at("levels")[1].at("displacement").at("exr"), "level_1_displacement.exr");
   EXPECT_EQ(document.at("levels")[1].at("normal").at("exr"), "level_1_normal.exr");

@@ -389,7 +389,7 @@ TEST(SelectiveMesh, KeepsABudgetOfFaces) {
   const RefinementReport free = selective.update(view);
   double before = 0;
   for (const std::size_t budget : {free.faces + 100, free.faces / 2, free.faces / 4, std::size_t{0}}) {
-    view.max_faces = budget;
+    view.faces = budget;
     const RefinementReport report = selective.update(view);
     EXPECT_LE(report.faces, std::max<std::size_t>(budget, mesh.level_faces[0]));
     EXPECT_GE(report.pixel_error, before);
@@ -404,7 +404,7 @@ TEST(SelectiveMesh, KeepsABudgetOfFaces) {
     }
     before = report.pixel_error;
   }
-  view.max_faces.reset();
+  view.faces.reset();
   EXPECT_EQ(selective.update(view).faces, free.faces);
 }
 

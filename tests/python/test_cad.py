@@ -1,12 +1,15 @@
 """CAD models as a user of the module sees them."""
 
+import os
 import pathlib
+import subprocess
 
 import numpy as np
 import pytest
 
 import recede
 
+COMMAND = os.environ.get("RECEDE_COMMAND") or pathlib.Path(recede.__file__).parents[2] / "bin/recede"
 CYLINDER = pathlib.Path(__file__).with_name("cylinder.brep")  # radius 2, height 3
 
 pytestmark = pytest.mark.skipif(not recede.can_read_cad(), reason="built without OpenCASCADE")
@@ -99,3 +102,38 @@ def test_errors_of_levels_must_increase():
     model = recede.read_cad(CYLINDER)
     with pytest.raises(recede.OptionError, match="increase"):
         recede.tessellate_cad(model, [0.1, 0.01])
+
+
+def test_bake_writes_a_hierarchy_as_the_command_does(tmp_path):
+    baked = recede.bake(recede.read_cad(CYLINDER), tmp_path, name="cylinder", relative_errors=[0.001, 0.01, 0.1],
+                        report=False)
+    read = recede.read_hierarchy(tmp_path)
+    assert baked.glb == tmp_path / "cylinder.glb" and baked.glb.exists() and baked.report is None
+    assert [level.mesh.n_faces for level in read.levels] == [level.triangles for level in baked.cad_levels]
+    assert [level.patches for level in baked.cad_levels] == [3, 3, 3]
+    assert all(level.missed == [] for level in baked.cad_levels)
+    diagonal = np.sqrt(4**2 + 4**2 + 3**2)
+    for level, share in zip(baked.levels, [0.001, 0.01, 0.1]):
+        assert 0 < level.error.bound <= share * diagonal
+    (seams,) = baked.cad_parts
+    assert seams.part == "cylinder" and seams.edges_of_file == 3 and seams.free_edges == 0 and seams.gaps == []
+    by_position = recede.bake(recede.read_cad(CYLINDER), tmp_path, use_connectivity=False, gap=1e-4, report=False)
+    assert by_position.cad_parts[0].edges_by_position == 3 and len(by_position.levels) == 5
+
+
+def test_the_hierarchy_is_that_of_the_command(tmp_path):
+    subprocess.run([COMMAND, "bake", CYLINDER, "-o", tmp_path / "command", "--distances", "10", "100", "--no-report",
+                    "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    recede.bake(recede.read_cad(CYLINDER), tmp_path / "python", name="cylinder", distances=[10, 100], report=False)
+    assert (tmp_path / "command/cylinder.glb").read_bytes() == (tmp_path / "python/cylinder.glb").read_bytes()
+
+
+def test_bake_refuses_what_has_no_meaning_for_the_kind_of_input(tmp_path):
+    model = recede.read_cad(CYLINDER)
+    for option in ({"ratios": [0.5]}, {"faces": [10]}, {"maps": ["normal"]}, {"placement": "optimal"}):
+        with pytest.raises(recede.OptionError, match=f"{next(iter(option))} is for meshes"):
+            recede.bake(model, tmp_path, **option)
+    with pytest.raises(recede.OptionError, match="for CAD models"):
+        recede.bake(recede.make_teapot(2), tmp_path, gap=1)
+    with pytest.raises(recede.OptionError, match="one of"):
+        recede.bake(model, tmp_path, errors=[0.1], distances=[10])

@@ -121,10 +121,10 @@ def test_levels_of_billboards(folder):
     ("info", "BALL"),
     ("render", "BALL", "-o", "OUT/ball.png", "--image-width", "8", "--image-height", "8"),
     ("shell", "BALL", "--thickness", "0.05", "--side", "envelope"),
-    ("shell", "BALL", "--thickness", "0.05", "--subdivide", "1", "--scheme", "loop"),
+    ("shell", "BALL", "--thickness", "0.05", "--subdivision-level", "1", "--scheme", "loop"),
     ("simplify", "BALL", "-o", "OUT/small.stl", "--ratio", "0.5"),
     ("simplify", "BALL", "-o", "OUT/small.ply", "--no-measure"),
-    ("subdivide", "BALL", "-o", "OUT/smooth.obj", "--level", "0"),
+    ("subdivide", "BALL", "-o", "OUT/smooth.obj", "--subdivision-level", "0"),
     ("turntable", "BALL", "-o", "OUT/frames", "--frames", "2", "--image-width", "8", "--image-height", "8"),
 ], ids=lambda arguments: f"{arguments[0]} {arguments[-1] if '/' not in str(arguments[-1]) else ''}")
 def test_of_a_mesh(arguments, folder, ball):

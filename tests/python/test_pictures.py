@@ -170,6 +170,17 @@ def test_a_picture_shows_the_mesh(sphere):
         recede.render(sphere, eye=(0, 0, 1), look_at=(0, 0, 1))
 
 
+def test_coverage_is_a_mask_for_diff(sphere):
+    view = {"eye": (0, 0, 4), "image_width": 32, "image_height": 32}
+    coverage = recede.render(sphere, coverage=True, ground=True, lighting="path", **view)
+    assert coverage.shape == (32, 32) and coverage[16, 16] == 1 and coverage[0, 0] == 0
+    assert np.any((coverage > 0) & (coverage < 1)), "the outline covers parts of pixels"
+    picture = recede.render(sphere, **view)
+    other = picture.copy()
+    other[0, 0] = 0
+    assert recede.diff(picture, other).max > 0 and recede.diff(picture, other, mask=coverage).max == 0
+
+
 def test_a_picture_has_lights_of_the_scene(sphere, tmp_path):
     def picture(**options):
         return recede.render(sphere, image_width=40, image_height=30, samples=4, **options)

@@ -384,18 +384,18 @@ def test_a_control_cube_becomes_its_limit_surface():
     corners = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], dtype=float)
     quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
     cube = recede.Mesh(corners, quads)
-    smooth = recede.subdivide(cube, level=3)
+    smooth = recede.subdivide(cube, subdivision_level=3)
     assert smooth.level == 3 and smooth.mesh.n_faces == 6 * 64 and smooth.crease_edges == 0
     assert np.allclose(smooth.mesh.positions[:8], corners / 2, atol=1e-13)
     assert np.allclose(np.linalg.norm(smooth.mesh.corner_normals, axis=1), 1)
     near = recede.subdivide(cube, error=0.01)
-    assert near.error_estimate <= 0.01 < recede.subdivide(cube, level=near.level - 1).error_estimate
+    assert near.error_estimate <= 0.01 < recede.subdivide(cube, subdivision_level=near.level - 1).error_estimate
     sharp = recede.subdivide(cube, crease_angle=60)
     assert sharp.crease_edges == 12 and sharp.error_estimate < 1e-12
-    one = recede.subdivide(cube, level=1, creases=[(4, 5, 10)], corners=[(0, 10)])
+    one = recede.subdivide(cube, subdivision_level=1, creases=[(4, 5, 10)], corners=[(0, 10)])
     assert one.crease_edges == 1 and np.allclose(one.mesh.positions[0], corners[0])
-    assert recede.subdivide(cube, scheme="loop", level=1).triangulated == 6
-    for wrong in ({"level": 11}, {"scheme": "doo-sabin"}, {"level": 1, "error": 1}, {"creases": [(0, 3, 1)]}):
+    assert recede.subdivide(cube, scheme="loop", subdivision_level=1).triangulated == 6
+    for wrong in ({"subdivision_level": 11}, {"scheme": "doo-sabin"}, {"subdivision_level": 1, "error": 1}, {"creases": [(0, 3, 1)]}):
         with pytest.raises(recede.OptionError):
             recede.subdivide(cube, **wrong)
     with pytest.raises(recede.InputError):
@@ -427,7 +427,7 @@ def test_a_selective_mesh_is_fine_where_it_is_seen(sphere):
     assert report.faces == selective.n_faces == selective.mesh().n_faces
     assert report.pixel_error <= 2
     assert selective.update((0, 0, 3), pixel_error=2).splits == 0
-    assert selective.update((0, 0, 3), pixel_error=0.5, max_faces=report.faces).faces <= report.faces
+    assert selective.update((0, 0, 3), pixel_error=0.5, faces=report.faces).faces <= report.faces
     half = progressive.n_splits // 2
     error = progressive.level_errors[half]
     assert selective.update_error(error).faces == progressive.level(error=error).n_faces
@@ -486,7 +486,7 @@ def test_billboards_without_textures_have_none():
 
 def test_billboards_keep_to_a_budget_and_are_written_as_levels(tmp_path):
     tree = recede.make_tree(leaves=100)
-    (cloud,) = recede.build_billboards(tree, two_sided=True, method="planes", budget=64 * 1024)
+    (cloud,) = recede.build_billboards(tree, two_sided=True, method="planes", most_bytes=64 * 1024)
     assert 32 * 1024 < cloud.bytes <= 64 * 1024
     glb = recede.write_billboards(tmp_path, tree, [cloud], name="tree")
     assert recede.read(glb, repair=False).n_faces == 2 * cloud.n_billboards
@@ -547,19 +547,19 @@ def test_a_shell_is_valid_and_says_how_thick_it_is():
 def test_a_shell_of_a_limit_surface_puts_directors_between_others():
     sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
     cube = recede.Mesh([[k % 2, k // 2 % 2, k // 4] for k in range(8)], sides)
-    everywhere = recede.build_shell(cube, 0.1, subdivide=3)
+    everywhere = recede.build_shell(cube, 0.1, subdivision_level=3)
     assert everywhere.is_valid and everywhere.traced == 6 * 64 + 2 and everywhere.base.n_faces == 2 * 6 * 64
-    surface = recede.subdivide(cube, level=3).mesh
+    surface = recede.subdivide(cube, subdivision_level=3).mesh
     assert (everywhere.exterior.tops == recede.build_shell(surface, 0.1).exterior.tops).all()
     thick, thin = (recede.build_shell(cube, 0.1, side="interior", at_least_normals=wanted).interior for wanted in (True, False))
     assert thick.is_of_normals and not thin.is_of_normals and thick.thickness[1] > 2 * thin.thickness[1]
-    few = recede.build_shell(cube, 0.1, subdivide=3, interpolate_directors=2, side="interior")
+    few = recede.build_shell(cube, 0.1, subdivision_level=3, interpolate_directors=2, side="interior")
     assert few.is_valid and few.traced == 26
-    creased = recede.build_shell(cube, 0.1, subdivide=3, crease_angle=30)
+    creased = recede.build_shell(cube, 0.1, subdivision_level=3, crease_angle=30)
     assert np.abs(creased.base.positions).max() == pytest.approx(1)
     with pytest.raises(recede.OptionError, match="levels"):
-        recede.build_shell(cube, 0.1, subdivide=1, interpolate_directors=2)
-    with pytest.raises(recede.OptionError, match="subdivide"):
+        recede.build_shell(cube, 0.1, subdivision_level=1, interpolate_directors=2)
+    with pytest.raises(recede.OptionError, match="subdivision_level"):
         recede.build_shell(cube, 0.1, interpolate_directors=1)
 
 

@@ -95,3 +95,14 @@ def test_matter_is_carved_and_moved(shell):
         recede.carve(solid, (0, 0, 1, 1), "drill")
     with pytest.raises(recede.OptionError, match="radius"):
         recede.move_matter(one, (0, 0, 1), (0, 1, 0), 0)
+
+
+def test_a_texture_keeps_its_proportions_unless_told():
+    square = recede.Mesh([[0, 0, 0], [4, 0, 0], [4, 2, 0], [0, 2, 0]], [[0, 1, 2, 3]],
+                         corner_uvs=[[0, 0], [1, 0], [1, 1], [0, 1]])
+    shell = recede.build_shell(square, 0.1, directors="normals")
+    weave = recede.make_volume("weave", texels=8)
+    width = 0.1 / weave.extent[2]  # of a period's unit in that layer
+    filled = recede.fill_shell(shell, weave)
+    assert list(filled.repeat) == [round(4 / (width * weave.extent[0])), round(2 / (width * weave.extent[1]))]
+    assert list(recede.fill_shell(shell, weave, repeat=(3, 2)).repeat) == [3, 2]

@@ -2,6 +2,7 @@
 #include <recede/geometry/error.h>
 #include <recede/render/image_difference.h>
 #include <recede/render/renderer.h>
+#include <recede/render/volume_levels.h>
 #include <recede/shells/procedural_volumes.h>
 
 #include <gmock/gmock.h>
@@ -324,6 +325,26 @@ TEST(ShellVolume, IsTheSameForAnyNumberOfThreadsAndRefusesWhatIsMissing) {
   bare.base.corner_uvs.clear();
   volume.textured.shell = std::make_shared<const Shell>(bare);
   EXPECT_THROW(picture(volume, camera, 1), InputError);
+}
+
+// Levels that a view doesn't need change nothing of its picture.
+TEST(ShellVolume, IsDrawnAlikeWithTheLevelsOfTheView) {
+  const PlacedVolume all = placed(square(4), make_volume(chain_mail(), 16), 0.2, {4, 2});
+  std::vector<std::size_t> n_levels;
+  for (const double distance : {1.5, 12.0, 100.0}) {
+    const Camera camera{
+        .position = {0.2, -0.6 * distance, 0.8 * distance}, .target = {0, 0, 0}, .width = 40, .height = 40};
+    PlacedVolume whole = all, needed = all;
+    whole.view = needed.view = volume_view(camera);
+    needed.textured.texture = finest_only(all.textured.texture->surfaces.front());
+    needed.textured = with_levels_for(needed.textured, *needed.view);
+    EXPECT_EQ(picture(whole, camera, 4).pixels, picture(needed, camera, 4).pixels) << distance;
+    n_levels.push_back(needed.textured.texture->surfaces.size() +
+                       needed.textured.texture->transparent.size());
+  }
+  EXPECT_LT(n_levels.front(), n_levels.back());
+  EXPECT_LT(n_levels.front(),
+            all.textured.texture->surfaces.size() + all.textured.texture->transparent.size());
 }
 
 }  // namespace
