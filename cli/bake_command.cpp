@@ -1,7 +1,6 @@
 #include "cad_bake.h"
 #include "drawn_levels.h"
 #include <recede/geometry/error.h>
-#include <recede/geometry/mesh_io.h>
 #include <recede/lod/out_of_core.h>
 #include <recede/render/far_level.h>
 #include <recede/render/report.h>
@@ -211,21 +210,6 @@ void run_for_cad(const BakeOptions& options) {
   bake_cad(cad);
 }
 
-/// Where `--memory` is less than the faces of the input take.
-bool is_larger_than_memory(const BakeOptions& options) {
-  if (!options.memory || !std::filesystem::exists(options.input)) return false;
-  const std::size_t most = faces_within(*options.memory);
-  const std::optional<std::size_t> n_faces = faces_in_pieces(options.input);
-  if (n_faces) return *n_faces > most;
-  // Of other files only the size is known; a face takes no less than this in any.
-  constexpr std::uintmax_t k_least_per_face = 16;
-  if (std::filesystem::file_size(options.input) / k_least_per_face <= most) return false;
-  throw InputError::in_file(
-      options.input, fmt::format("may have more than {} faces, as many as --memory allows, and can't be "
-                                 "read in pieces; binary PLY and binary STL can",
-                                 most));
-}
-
 OutOfCoreHierarchy build_in_core(const BakeOptions& options, Progress* progress) {
   Model model = read_model(options.input, progress);
   require_faces(model, options.input);
@@ -238,12 +222,9 @@ OutOfCoreHierarchy build_in_core(const BakeOptions& options, Progress* progress)
 
 OutOfCoreHierarchy build_out_of_core(const BakeOptions& options, Progress* progress) {
   if (options.feature_angle > 0) throw OptionError("--feature-angle is for meshes that fit in --memory");
-  // The output's folder is made when there is something to write.
-  std::filesystem::path scratch = std::filesystem::absolute(options.output);
-  while (!std::filesystem::exists(scratch)) scratch = scratch.parent_path();
   return build_hierarchy_out_of_core(options.input, std::filesystem::path(options.input).stem().string(),
-                                     options.hierarchy, {.memory = *options.memory, .scratch = scratch},
-                                     progress);
+                                     options.hierarchy,
+                                     {.memory = *options.memory, .scratch = options.output}, progress);
 }
 
 void print_out_of_core(const OutOfCoreHierarchy& built, const BakeOptions& options) {
@@ -280,8 +261,10 @@ void run(BakeOptions options) {
   hierarchy_options.maps = map_options(options);
   if (options.appearance && !(hierarchy_options.maps && hierarchy_options.maps->displacement))
     throw OptionError("--appearance is that of heights; it needs --maps displacement");
-  OutOfCoreHierarchy built = is_larger_than_memory(options) ? build_out_of_core(options, &progress)
-                                                            : build_in_core(options, &progress);
+  const bool is_too_large = options.memory && std::filesystem::exists(options.input) &&
+                            needs_more_than(*options.memory, options.input);
+  OutOfCoreHierarchy built =
+      is_too_large ? build_out_of_core(options, &progress) : build_in_core(options, &progress);
   LodHierarchy& hierarchy = built.hierarchy;
   const double diagonal = summarize(hierarchy.levels.front().mesh).box.diagonal().norm();
   std::vector<FarLevelTrial> trials;

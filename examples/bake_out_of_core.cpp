@@ -3,15 +3,12 @@
 #include <recede/lod/out_of_core.h>
 
 #include <cstdio>
-#include <filesystem>
 
 int main(int argc, char** argv) try {
   if (argc != 3) {
     std::fprintf(stderr, "usage: bake_out_of_core INPUT FOLDER\n");
     return 2;
   }
-  std::filesystem::create_directories(argv[2]);
-
   recede::HierarchyOptions options;
   options.ratios = {0.1, 0.01};
   const recede::OutOfCoreHierarchy built = recede::build_hierarchy_out_of_core(

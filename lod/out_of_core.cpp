@@ -75,7 +75,8 @@ class OutOfCoreBuilder {
   OutOfCoreBuilder(const std::filesystem::path& file, const HierarchyOptions& options,
                    const OutOfCoreOptions& out_of_core, Progress* progress)
       : file_(file), options_(options), memory_(out_of_core.memory), progress_(progress) {
-    limits_.folder = out_of_core.scratch;
+    limits_.folder = std::filesystem::absolute(out_of_core.scratch);
+    while (!std::filesystem::exists(limits_.folder)) limits_.folder = limits_.folder.parent_path();
     limits_.buffer = room(memory_) / 8;
   }
 
@@ -205,7 +206,19 @@ class OutOfCoreBuilder {
 
 }  // namespace
 
-std::size_t faces_within(std::size_t memory) { return room(memory) / k_per_face_in_core; }
+bool needs_more_than(std::size_t memory, const std::filesystem::path& file) {
+  const std::size_t most = room(memory) / k_per_face_in_core;
+  const std::optional<std::size_t> n_faces = faces_in_pieces(file);
+  if (n_faces) return *n_faces > most;
+  // Of other files only the size is known; a face takes no less than this in any.
+  constexpr std::uintmax_t k_least_per_face = 16;
+  if (std::filesystem::file_size(file) / k_least_per_face <= most) return false;
+  throw InputError::in_file(
+      file.string(),
+      fmt::format("may have more than {} faces, as many as memory allows, and can't be read in "
+                  "pieces; binary PLY and binary STL can",
+                  most));
+}
 
 OutOfCoreHierarchy build_hierarchy_out_of_core(const std::filesystem::path& file, const std::string& name,
                                                const HierarchyOptions& options,

@@ -7,11 +7,13 @@ namespace recede {
 
 struct OutOfCoreOptions {
   std::size_t memory = std::size_t{4} << 30;  ///< bytes that the process may take, at least 256 MiB
-  std::filesystem::path scratch = ".";        ///< folder for scratch files, some five times the input
+  /// Where scratch files lie, some five times the input: this folder or the nearest one above that exists.
+  std::filesystem::path scratch = ".";
 };
 
-/// Faces of a mesh of which `build_hierarchy` and what follows it take so much memory.
-std::size_t faces_within(std::size_t memory);
+/// Whether `build_hierarchy` of a mesh file, and what follows it, may take more memory. Throws `InputError`
+/// for a file of which that may be so and that can't be read in pieces.
+bool needs_more_than(std::size_t memory, const std::filesystem::path& file);
 
 struct OutOfCoreHierarchy {
   LodHierarchy hierarchy;  ///< `source_faces` is set unless level 0 is the whole file

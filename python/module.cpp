@@ -9,6 +9,7 @@
 #include <recede/geometry/sample_models.h>
 #include <recede/lod/cad_hierarchy.h>
 #include <recede/lod/lod_hierarchy.h>
+#include <recede/lod/out_of_core.h>
 #include <recede/lod/simplify.h>
 #include <recede/render/far_level.h>
 #include <recede/render/report.h>
@@ -123,6 +124,7 @@ struct Baked {
   std::vector<std::string> far_levels{};  // why billboards or triangles stand far away
   std::vector<CadLevelReport> cad_levels{};
   std::vector<CadSeamReport> cad_parts{};
+  std::vector<double> left_out{};
 };
 
 struct ReportChoice {
@@ -153,32 +155,64 @@ void write(const fs::path& folder, Baked& baked, const ReportChoice& report, Pro
     baked.report = write_report(folder, baked.hierarchy, baked.files, report.options, progress);
 }
 
+/// What `recede.bake` was asked for, of a mesh.
+struct BakeOrder {
+  BakeOrder(const py::dict& levels, const py::dict& options, double feature) : feature_angle(feature) {
+    hierarchy.simplify = read_options(options);
+    read(levels, "faces", hierarchy.faces);
+    read(levels, "ratios", hierarchy.ratios);
+    read(levels, "errors", hierarchy.errors);
+    read(levels, "relative_errors", hierarchy.relative_errors);
+    read(levels, "distances", hierarchy.distances);
+    read_view(levels, hierarchy.view);
+    if (levels.contains("maps") && py::len(levels["maps"]) > 0) hierarchy.maps = read_map_options(levels);
+    report = read_report_choice(levels);
+    read(levels, "billboards", with_billboards);
+  }
+
+  HierarchyOptions hierarchy;
+  ReportChoice report;
+  double feature_angle = 0;
+  bool with_billboards = true;
+};
+
+LodHierarchy hierarchy_of(PolygonMesh mesh, const std::string& name, const BakeOrder& order,
+                          Progress* progress) {
+  if (order.feature_angle > 0) mark_feature_edges(mesh, order.feature_angle);
+  return build_hierarchy(mesh, name, order.hierarchy, progress);
+}
+
+Baked finish(LodHierarchy hierarchy, const fs::path& folder, const BakeOrder& order, Progress* progress) {
+  Baked baked;
+  baked.hierarchy = std::move(hierarchy);
+  if (order.with_billboards) {
+    std::vector<FarLevelTrial> trials = compare_far_levels(baked.hierarchy, {}, progress);
+    append_far_levels(baked.hierarchy, trials, progress);
+    for (const FarLevelTrial& trial : trials) baked.far_levels.push_back(trial.reason);
+  }
+  write(folder, baked, order.report, progress);
+  return baked;
+}
+
 Baked bake(const Mesh& mesh, const fs::path& folder, const std::string& name, const py::dict& levels,
            const py::dict& options, double feature_angle, py::object progress) {
-  HierarchyOptions hierarchy_options;
-  hierarchy_options.simplify = read_options(options);
-  read(levels, "faces", hierarchy_options.faces);
-  read(levels, "ratios", hierarchy_options.ratios);
-  read(levels, "errors", hierarchy_options.errors);
-  read(levels, "relative_errors", hierarchy_options.relative_errors);
-  read(levels, "distances", hierarchy_options.distances);
-  read_view(levels, hierarchy_options.view);
-  if (levels.contains("maps") && py::len(levels["maps"]) > 0)
-    hierarchy_options.maps = read_map_options(levels);
-  const ReportChoice report = read_report_choice(levels);
-  bool with_billboards = true;
-  read(levels, "billboards", with_billboards);
+  const BakeOrder order(levels, options, feature_angle);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
-    Baked baked;
-    PolygonMesh input = repair_to_polygon_mesh(*mesh.soup).mesh;
-    if (feature_angle > 0) mark_feature_edges(input, feature_angle);
-    baked.hierarchy = build_hierarchy(input, name, hierarchy_options, p);
-    if (with_billboards) {
-      std::vector<FarLevelTrial> trials = compare_far_levels(baked.hierarchy, {}, p);
-      append_far_levels(baked.hierarchy, trials, p);
-      for (const FarLevelTrial& trial : trials) baked.far_levels.push_back(trial.reason);
-    }
-    write(folder, baked, report, p);
+    return finish(hierarchy_of(repair_to_polygon_mesh(*mesh.soup).mesh, name, order, p), folder, order, p);
+  });
+}
+
+Baked bake_file(const fs::path& file, const fs::path& folder, const std::string& name, const py::dict& levels,
+                const py::dict& options, double feature_angle, std::size_t memory, py::object progress) {
+  const BakeOrder order(levels, options, feature_angle);
+  return PythonProgress(std::move(progress)).run([&](Progress* p) {
+    if (!needs_more_than(memory, file))
+      return finish(hierarchy_of(read_mesh(file, p).mesh, name, order, p), folder, order, p);
+    if (order.feature_angle > 0) throw OptionError("feature_angle is for meshes that fit in memory");
+    OutOfCoreHierarchy built =
+        build_hierarchy_out_of_core(file, name, order.hierarchy, {.memory = memory, .scratch = folder}, p);
+    Baked baked = finish(std::move(built.hierarchy), folder, order, p);
+    baked.left_out = std::move(built.left_out);
     return baked;
   });
 }
@@ -410,6 +444,8 @@ void bind_results(py::module_& m) {
       .def_readonly("far_levels", &Baked::far_levels)
       .def_readonly("cad_levels", &Baked::cad_levels)
       .def_readonly("cad_parts", &Baked::cad_parts)
+      .def_property_readonly("source_faces", [](const Baked& baked) { return baked.hierarchy.source_faces; })
+      .def_readonly("left_out", &Baked::left_out)
       .def_property_readonly("map_files", [](const Baked& baked) { return baked.files.map_files; })
       .def_property_readonly("report", [](const Baked& baked) {
         return baked.report ? std::optional(baked.report->html) : std::nullopt;
@@ -453,6 +489,7 @@ PYBIND11_MODULE(_recede, m) {
     });
   });
   m.def("bake", &bake);
+  m.def("bake_file", &bake_file);
   m.def("bake_cad", &bake_cad);
   m.def("make_teapot", [](std::size_t quads_per_side, double relief) {
     return make_mesh(make_teapot(quads_per_side, relief));

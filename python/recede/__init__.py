@@ -269,13 +269,14 @@ def bake_maps(fine: Mesh, coarse: Mesh, *, maps: Sequence[str] = ("displacement"
     return _recede.bake_maps(need_mesh("bake_maps", fine), need_mesh("bake_maps", coarse), settings, progress)
 
 
-def bake(surface: Mesh | CadModel, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
+def bake(surface: Mesh | CadModel | Path, folder: Path, *, name: str = "model", faces: Sequence[int] | None = None,
          ratios: Sequence[float] | None = None, errors: Sequence[float] | None = None, relative_errors: Sequence[float] | None = None,
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
          pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
          map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
          report: bool = True, viewer_triangles: int = 200_000, billboards: bool = True, gap: float = 0,
-         use_connectivity: bool = True, progress: Progress | None = None, **options: Any) -> BakeResult:
+         use_connectivity: bool = True, memory: int | None = None, progress: Progress | None = None,
+         **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
 
     Levels are chosen by one of: numbers of `faces`, decreasing, or `ratios` of them (0.5, 0.25, 0.1, 0.03, 0.01 when
@@ -297,6 +298,11 @@ def bake(surface: Mesh | CadModel, folder: Path, *, name: str = "model", faces: 
     without `use_connectivity` it is found by position which patches meet, even where the file knows it.
     `result.cad_levels` and `result.cad_parts` say what became of patches and seams. `faces`, `ratios`, `maps` and options
     of `simplify` are for meshes only, and raise `OptionError`; there are no billboards.
+
+    With `memory`, bytes that the process may take (at least 256 MiB), `surface` is the path of a mesh file. One that is larger
+    (binary PLY or STL) is baked in chunks, see docs/out-of-core.md: level 0 has as many faces as fit, errors are those to the
+    file, `result.source_faces` is the number of its faces (else 0), and `result.left_out` has the levels that would be finer
+    than level 0.
     """
     levels = {"faces": list(faces or []), "ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
@@ -312,6 +318,10 @@ def bake(surface: Mesh | CadModel, folder: Path, *, name: str = "model", faces: 
         return _recede.bake_cad(surface, folder, name, levels, progress)
     if gap != 0 or not use_connectivity:
         raise OptionError("gap and use_connectivity are for CAD models")
+    if memory is not None:
+        if isinstance(surface, Mesh):
+            raise OptionError("memory is for files: give the mesh's path")
+        return _recede.bake_file(surface, folder, name, levels, settings, feature_angle, memory, progress)
     return _recede.bake(need_mesh("bake", surface), folder, name, levels, settings, feature_angle, progress)
 
 

@@ -385,6 +385,12 @@ class BakeResult:
     @property
     def cad_parts(self) -> list[CadSeams]:
         """Of CAD models, one for each part"""
+    @property
+    def source_faces(self) -> int:
+        """Of a file that was larger than memory; else 0"""
+    @property
+    def left_out(self) -> list[float]:
+        """Levels that would be finer than level 0 of such a file: faces, or errors in object units"""
 
 class Hierarchy:
     """Levels of detail that were read; finest first, level 0 is the input."""
@@ -832,6 +838,10 @@ def compare(
 def bake(
     mesh: Mesh, folder: _Path, name: str, levels: dict[str, Any], options: dict[str, Any], feature_angle: float,
     progress: _Progress,
+) -> BakeResult: ...
+def bake_file(
+    file: _Path, folder: _Path, name: str, levels: dict[str, Any], options: dict[str, Any], feature_angle: float,
+    memory: int, progress: _Progress,
 ) -> BakeResult: ...
 def bake_cad(
     model: CadModel, folder: _Path, name: str, levels: dict[str, Any], progress: _Progress

@@ -581,3 +581,32 @@ def test_bake_ends_a_tree_with_billboards(tmp_path):
     assert result.map_files[-1].height.exists()
     plain = recede.bake(recede.make_tree(), tmp_path, ratios=[0.5], report=False, billboards=False)
     assert not any(level.is_billboards for level in plain.levels) and plain.far_levels == []
+
+
+def test_files_larger_than_memory_are_baked_in_chunks(tmp_path):
+    side = 450
+    v, u = np.mgrid[0:side + 1, 0:side + 1]
+    heights = 3 * np.sin(0.11 * u) * np.cos(0.07 * v)
+    first = (u[:-1, :-1] + (side + 1) * v[:-1, :-1]).ravel()
+    quads = np.stack([first, first + 1, first + side + 2, first + side + 1], 1)
+    sheet = recede.Mesh(np.stack([u, v, heights], 2).reshape(-1, 3).astype(float),
+                        np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+    file = tmp_path / "sheet.ply"
+    recede.write(file, sheet)
+    choice = {"name": "sheet", "ratios": [0.9, 0.01], "report": False, "billboards": False}
+    baked = recede.bake(file, tmp_path / "out", memory=256 << 20, **choice)
+    assert baked.source_faces == 2 * side * side and baked.left_out == [364500]
+    assert [level.mesh.n_faces <= most for level, most in zip(baked.levels, (340000, 4050))] == [True, True]
+    assert 0 < baked.levels[0].error.max <= baked.levels[0].error.bound < baked.levels[1].error.bound
+    assert len(recede.read_hierarchy(tmp_path / "out").levels) == 2
+    # Where it fits, the level is the same as of a mesh.
+    fits = recede.bake(file, tmp_path / "fits", memory=8 << 30, **choice)
+    whole = recede.bake(sheet, tmp_path / "whole", **choice)
+    assert fits.source_faces == 0 and fits.left_out == []
+    assert (tmp_path / "fits/sheet.glb").read_bytes() == (tmp_path / "whole/sheet.glb").read_bytes()
+    with pytest.raises(recede.OptionError, match="memory is for files"):
+        recede.bake(sheet, tmp_path, memory=8 << 30)
+    with pytest.raises(recede.OptionError, match="at least 256 MiB"):
+        recede.bake(file, tmp_path, memory=1000)
+    with pytest.raises(TypeError):
+        recede.bake(file, tmp_path)
