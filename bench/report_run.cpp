@@ -32,10 +32,9 @@ std::string cpu_name() {
 
 std::string head(const BenchOptions& options) {
   return fmt::format(
-      "# Benchmarks\n\n{} cores, {}; compiler {}.{} Where the load, the processes that wanted to run, is "
-      "above "
-      "the cores, wall clocks are too long.\n",
-      std::thread::hardware_concurrency(), cpu_name(), __VERSION__,
+      "# Benchmarks\n\n{} cores, {}.{} Where the load, the processes that wanted to run, is above the cores, "
+      "wall clocks are too long.\n",
+      std::thread::hardware_concurrency(), cpu_name(),
       options.quick ? " Small inputs, each measured once: for a quick look." : "");
 }
 

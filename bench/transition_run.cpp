@@ -1,4 +1,5 @@
 #include "appearance_run.h"
+#include "measurement.h"
 #include "plot_sheet.h"
 #include "transition_scene.h"
 #include <recede/render/image_difference.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 namespace recede::bench {
 namespace {
@@ -318,16 +320,19 @@ Plot sample_curve(const TransitionScene& scene, std::size_t repeats) {
   const Camera camera = camera_at(scene, k_distance, k_size);
   const Image reference = reference_of(scene, camera);
   const ImageMask inside = inside_of(reference);
-  Plot plot = log_plot(fmt::format("Torus of waves at distance {:g}, 1 to 32 samples", k_distance), "seconds",
-                       "RMSE inside");
+  Plot plot = log_plot(fmt::format("Torus of waves at distance {:g}, 1 to 32 samples", k_distance),
+                       "processor seconds", "RMSE inside");
   for (const auto& [name, representation] : {std::pair("transitions", Representation::automatic),
                                              std::pair("displacement", Representation::displacement)}) {
     for (const int samples : {1, 2, 4, 8, 16, 32}) {
       Image image;
-      const double seconds = median_seconds(repeats, [&] {
+      std::vector<double> seconds;
+      for (std::size_t i = 0; i < repeats; ++i) {
+        const std::clock_t start = std::clock();  // of the processor, all threads together
         image = draw(scene.scene, camera, {representation, samples});
-      });
-      add_point(plot, name, seconds, compare_images(image, reference, inside).rmse);
+        seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+      }
+      add_point(plot, name, median(seconds), compare_images(image, reference, inside).rmse);
     }
   }
   return plot;
