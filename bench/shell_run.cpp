@@ -44,7 +44,7 @@ BenchSection measure_shells(const BenchOptions& options) {
                        {"experiments", measure_shell_experiments, false},
                        {"updates", measure_shell_updates, false},
                        {"torture", measure_shell_torture},
-                       {"volumes", measure_shell_volumes},
+                       {"volumes", measure_shell_volumes, false},
                        {"models", measure_shell_models, false}});
 }
 
