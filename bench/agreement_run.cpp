@@ -109,8 +109,7 @@ std::string text_of(const Worst& worst, bool has_normals) {
 AppearanceSection measure_agreement(const BenchOptions& options) {
   AppearanceSection section;
   std::string rows;
-  for (const Relief& relief : make_reliefs()) {
-    if (!is_wanted(relief.name, options.models)) continue;
+  for (const Relief& relief : wanted_reliefs(options)) {
     const auto appearance = make_appearance(test::tiled_square(2), relief.map, {.shading = false});
     const DisplacedPlane plane(relief.map, appearance->stretch().sides, PlaneNormals::smooth);
     const VisibleNormals& normals = appearance->normals();

@@ -4,20 +4,22 @@
 
 namespace recede::bench {
 
-std::string appearance_tables(const BenchOptions& options) {
+BenchSection measure_appearance(const BenchOptions& options) {
   std::filesystem::create_directories(options.out);
   constexpr AppearanceSection (*k_sections[])(const BenchOptions&) = {measure_agreement, measure_transitions,
                                                                       measure_filtered_reflectance};
-  AppearanceSection all{.markdown = "# Appearances\n", .csv = "section,surface,method,figure,value\n"};
+  BenchSection all;
+  std::string csv = "section,surface,method,figure,value\n";
   for (const auto& measure : k_sections) {
     const AppearanceSection section = measure(options);
     all.markdown += '\n' + section.markdown;
-    all.csv += section.csv;
+    all.curves.insert(all.curves.end(), section.curves.begin(), section.curves.end());
+    csv += section.csv;
     // After each, so that an interrupted run leaves something.
-    write_file_atomically(options.out / "appearance.md", all.markdown);
-    write_file_atomically(options.out / "appearance.csv", all.csv);
+    write_file_atomically(options.out / "appearance.md", "# Appearances\n" + all.markdown);
+    write_file_atomically(options.out / "appearance.csv", csv);
   }
-  return all.markdown;
+  return all;
 }
 
 }  // namespace recede::bench

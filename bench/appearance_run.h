@@ -1,15 +1,17 @@
 // Appearances of reliefs measured against rays that meet the relief itself.
 #pragma once
 
-#include "bench_run.h"
+#include "section_run.h"
 
 #include <string>
 
 namespace recede::bench {
 
-/// What a section of the run found: a text with tables, and lines of section,surface,method,figure,value.
+/// What a section of the run found: a text with tables, lines of section,surface,method,figure,value, and
+/// plots.
 struct AppearanceSection {
-  std::string markdown, csv;
+  std::string markdown{}, csv{};
+  std::vector<Plot> curves{};
 };
 
 /// Mean reflectance by filters of the slopes, ours among them: errors, memory and time. Writes a picture,
@@ -24,7 +26,7 @@ AppearanceSection measure_agreement(const BenchOptions& options);
 AppearanceSection measure_transitions(const BenchOptions& options);
 
 /// Runs all sections and writes appearance.md and appearance.csv. `options.models` chooses reliefs. Returns
-/// the text.
-std::string appearance_tables(const BenchOptions& options);
+/// text and plots of all.
+BenchSection measure_appearance(const BenchOptions& options);
 
 }  // namespace recede::bench

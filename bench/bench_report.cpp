@@ -1,12 +1,12 @@
 #include "bench_report.h"
 
+#include "bench_run.h"
+#include "plot_sheet.h"
 #include <recede/geometry/atomic_file.h>
-#include <recede/render/svg_plot.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <thread>
 
@@ -103,33 +103,15 @@ std::string growth_cell(const Row& row) {
                      static_cast<double>(row.figures->call_peak_bytes) / faces);
 }
 
-std::string cpu_name() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string line;
-  while (std::getline(file, line)) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
-
-std::string facts(const BenchResults& results) {
-  return fmt::format(
-      "# Simplification, ours and the peers'\n\n"
-      "{}, {} threads; {}, {}. Load average (1 minute) {:.2f} at the start, {:.2f} at the end; above the "
-      "threads that a "
-      "system uses, wall clocks are too long and results.csv has the processor time.\n\n"
-      "Every system gets the same welded faces with positions rounded to single precision. Seconds are "
-      "the median "
-      "wall clock of the simplify call alone, without the proof of the error. All but "
-      "the rows with all threads run in one. Errors are two-sided, from 200 000 samples on each surface and "
-      "all "
-      "vertices, as shares of the input's bounding box diagonal. Where a system didn't reach the target, the "
-      "cell says "
-      "what share of the faces it kept; its error can't be compared then.\n\n",
-      cpu_name(), std::thread::hardware_concurrency(), RECEDE_COMPILER, RECEDE_BUILD_TYPE,
-      results.load_at_start, results.load_at_end);
-}
+constexpr const char* k_rules =
+    "Every system gets the same welded faces with positions rounded to single precision. Seconds are the "
+    "median wall clock of the simplify call alone, without the proof of the error, in one thread but for "
+    "rows "
+    "with all threads. Errors are two-sided, from 200 000 samples on each surface and all vertices, as "
+    "shares "
+    "of the input's bounding box diagonal. Where a system didn't reach the target, the cell says what share "
+    "of "
+    "the faces it kept; its error can't be compared then.\n\n";
 
 constexpr const char* k_csv_header =
     "kind,model,goal,system,threads,status,remark,input_faces,input_vertices,target_count,faces,vertices,"
@@ -162,50 +144,28 @@ std::string csv_line(const Row& row, const std::string& kind) {
   return line;
 }
 
-/// A series per system over what `point` says of its rows.
-std::vector<PlotSeries> series_by_system(const std::vector<Row>& rows,
-                                         const std::function<Vec2(const Row&)>& point) {
-  std::vector<PlotSeries> series;
-  for (const std::string& system : different(rows, &Row::system)) {
-    PlotSeries& line = series.emplace_back();
-    for (const Row& row : rows) {
-      if (row.system != system) continue;
-      line.name = row.label;
-      line.points.push_back(point(row));
-    }
+/// Time and error.
+std::string summary_tables(const std::vector<Row>& all) {
+  std::string text;
+  const auto triangles = kept(all, [](const Row& row) { return !row.polygons; });
+  for (const std::string& goal : different(triangles, &Row::goal)) {
+    const auto rows = kept(triangles, [&](const Row& row) { return row.goal == goal; });
+    text += table(goal + ": seconds ; max 1e-3 ; RMS 1e-4", rows, error_cell);
   }
-  return series;
-}
-
-std::string error_against_speed(const std::vector<Row>& rows, const std::string& goal) {
-  return svg_plot(
-      {.title = goal + ", displaced spheres",
-       .x = {"million faces per second", true},
-       .y = {"RMS / diagonal", true},
-       .series = series_by_system(
-           rows, [](const Row& row) { return Vec2(row.million_faces_per_second(), row.figures->rms); }),
-       .width = 900,
-       .height = 480});
-}
-
-std::string growth_plot(const std::vector<Row>& rows) {
-  return svg_plot({.title = "Time per face over growing models, to 10 % of the faces",
-                   .x = {"faces of the input", true},
-                   .y = {"nanoseconds per face", false},
-                   .series = series_by_system(rows,
-                                              [](const Row& row) {
-                                                const auto faces = static_cast<double>(row.input_faces);
-                                                return Vec2(faces, 1e9 * row.figures->seconds / faces);
-                                              }),
-                   .width = 720,
-                   .height = 420});
+  const auto polygons = kept(all, [](const Row& row) { return row.polygons; });
+  for (const std::string& goal : different(polygons, &Row::goal)) {
+    const auto rows = kept(polygons, [&](const Row& row) { return row.goal == goal; });
+    text +=
+        table(goal + ", quad models: seconds ; max 1e-3 ; RMS 1e-4 ; quads of all faces", rows, polygon_cell);
+  }
+  return text;
 }
 
 /// Bounds, memory and defects.
-std::string detail_tables(const BenchResults& results) {
+std::string detail_tables(const std::vector<Row>& all) {
   std::string text;
-  for (const std::string& goal : different(results.rows, &Row::goal)) {
-    const auto rows = kept(results.rows, [&](const Row& row) { return row.goal == goal; });
+  for (const std::string& goal : different(all, &Row::goal)) {
+    const auto rows = kept(all, [&](const Row& row) { return row.goal == goal; });
     text += table(goal + ": certified bound of the maximum 1e-3 ; error that the system reports 1e-3", rows,
                   bound_cell);
     const auto proved =
@@ -225,16 +185,38 @@ std::string detail_tables(const BenchResults& results) {
   return text;
 }
 
-void write_plots(const BenchResults& results, const std::filesystem::path& folder) {
-  for (const auto& [goal, name] : {std::pair{"10 % of the faces", "rms_against_speed_10_percent.svg"},
-                                   std::pair{"1 % of the faces", "rms_against_speed_1_percent.svg"}}) {
-    const auto rows = kept(results.rows, [goal = goal](const Row& row) {
-      return row.synthetic && row.goal == goal && row.reached_target();
-    });
-    if (!rows.empty()) write_file_atomically(folder / name, error_against_speed(rows, goal));
+std::vector<Plot> size_plots(const std::vector<Row>& rows) {
+  const std::string model = rows.empty() ? "" : rows.front().model;
+  Plot over_time = log_plot(model + ", 50 to 1 % of the faces", "processor seconds", "RMS / diagonal"),
+       over_size = log_plot(model, "faces", "RMS / diagonal");
+  for (const Row& row : rows) {
+    if (!row.figures || !row.reached_target()) continue;
+    add_point(over_time, row.label, row.figures->cpu_seconds, row.figures->rms);
+    add_point(over_size, row.label, static_cast<double>(row.figures->faces), row.figures->rms);
   }
-  const auto growth = kept(results.growth, [](const Row& row) { return row.figures.has_value(); });
-  if (!growth.empty()) write_file_atomically(folder / "growth.svg", growth_plot(growth));
+  return {over_time, over_size};
+}
+
+std::vector<Plot> growth_plots(const std::vector<Row>& rows) {
+  Plot time = log_plot("To 10 % of the faces: time", "faces of the input", "nanoseconds per face"),
+       memory = log_plot("Memory above the input", "faces of the input", "bytes per face");
+  for (const Row& row : rows) {
+    if (!row.figures) continue;
+    const auto faces = static_cast<double>(row.input_faces);
+    add_point(time, row.label, faces, 1e9 * row.figures->seconds / faces);
+    add_point(memory, row.label, faces, static_cast<double>(row.figures->call_peak_bytes) / faces);
+  }
+  return {time, memory};
+}
+
+void write_csv(const std::filesystem::path& file,
+               const std::vector<std::pair<const char*, const std::vector<Row>*>>& kinds) {
+  std::filesystem::create_directories(file.parent_path());
+  std::string csv = k_csv_header;
+  for (const auto& [kind, rows] : kinds) {
+    for (const Row& row : *rows) csv += csv_line(row, kind);
+  }
+  write_file_atomically(file, csv);
 }
 
 }  // namespace
@@ -245,32 +227,28 @@ std::string quoted(std::string text) {
   return '"' + text + '"';
 }
 
-std::string summary_tables(const BenchResults& results) {
-  std::string text;
-  const auto triangles = kept(results.rows, [](const Row& row) { return !row.polygons; });
-  for (const std::string& goal : different(triangles, &Row::goal)) {
-    const auto rows = kept(triangles, [&](const Row& row) { return row.goal == goal; });
-    text += table(goal + ": seconds ; max 1e-3 ; RMS 1e-4", rows, error_cell);
-  }
-  const auto polygons = kept(results.rows, [](const Row& row) { return row.polygons; });
-  for (const std::string& goal : different(polygons, &Row::goal)) {
-    const auto rows = kept(polygons, [&](const Row& row) { return row.goal == goal; });
-    text +=
-        table(goal + ", quad models: seconds ; max 1e-3 ; RMS 1e-4 ; quads of all faces", rows, polygon_cell);
-  }
-  return text + table("Growth, to 10 % of the faces: nanoseconds ; bytes per input face", results.growth,
-                      growth_cell);
+BenchSection measure_simplification(const BenchOptions& options) {
+  const std::filesystem::path file = options.out / "simplification.csv";
+  const std::vector<Row> rows = run_simplification(options, [&](const auto& so_far) {
+    write_csv(file, {{"comparison", &so_far}});
+  });
+  const std::vector<Row> sizes = run_sizes(options, [&](const auto& so_far) {
+    write_csv(file, {{"comparison", &rows}, {"sizes", &so_far}});
+  });
+  BenchSection section;
+  section.markdown = k_rules + summary_tables(rows) + detail_tables(rows);
+  section.curves = size_plots(sizes);
+  return section;
 }
 
-void write_report(const BenchResults& results, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  std::string csv = k_csv_header;
-  for (const Row& row : results.rows) csv += csv_line(row, "comparison");
-  for (const Row& row : results.growth) csv += csv_line(row, "growth");
-  write_file_atomically(folder / "results.csv", csv);
-  write_file_atomically(folder / "results.md",
-                        facts(results) + summary_tables(results) + detail_tables(results));
-  write_plots(results, folder);
+BenchSection measure_growth(const BenchOptions& options) {
+  const std::vector<Row> rows = run_growth(options, [&](const auto& so_far) {
+    write_csv(options.out / "growth.csv", {{"growth", &so_far}});
+  });
+  BenchSection section;
+  section.markdown = table("To 10 % of the faces: nanoseconds ; bytes per input face", rows, growth_cell);
+  section.curves = growth_plots(rows);
+  return section;
 }
 
 }  // namespace recede::bench

@@ -1,18 +1,17 @@
-// The results as tables and plots.
+// Simplification as tables and plots.
 #pragma once
 
-#include "bench_run.h"
+#include "section_run.h"
 
 namespace recede::bench {
 
-/// Time and error, in Markdown.
-std::string summary_tables(const BenchResults& results);
+/// All systems on all models, and one model to many sizes. Writes simplification.csv into `options.out`.
+BenchSection measure_simplification(const BenchOptions& options);
+
+/// Time and memory over growing inputs. Writes growth.csv.
+BenchSection measure_growth(const BenchOptions& options);
 
 /// A field of a CSV line.
 std::string quoted(std::string text);
-
-/// Writes results.csv, results.md (these and tables of bounds, memory and defects) and the plots into the
-/// folder, which is made when missing.
-void write_report(const BenchResults& results, const std::filesystem::path& folder);
 
 }  // namespace recede::bench

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
-#include <cstdlib>
 #include <regex>
 
 namespace recede::bench {
@@ -14,6 +13,9 @@ namespace {
 const Goal k_tenth{.name = "10 % of the faces", .face_share = 0.1};
 const Goal k_hundredth{.name = "1 % of the faces", .face_share = 0.01};
 const Goal k_end{.name = "to its end"};
+/// What the plots show.
+constexpr const char* k_drawn_model = "bunny00";
+constexpr double k_drawn_shares[]{0.5, 0.2, 0.1, 0.05, 0.02, 0.01};
 const Goal k_quarter{.name = "25 % of the vertices", .vertex_share = 0.25};
 
 std::vector<Goal> goals_for(const System& system, bool polygons) {
@@ -23,13 +25,8 @@ std::vector<Goal> goals_for(const System& system, bool polygons) {
   return {k_tenth, k_hundredth};
 }
 
-double load_average() {
-  double load = 0;
-  return ::getloadavg(&load, 1) == 1 ? load : -1;
-}
-
 Model prepare(const ModelSource& source) {
-  Model model{source.name, source.polygons, source.synthetic, load_model(source), {}};
+  Model model{source.name, source.polygons, load_model(source), {}};
   model.defects = count_defects(model.soup);
   // What the heap keeps would serve a child's first allocations and lower its peak.
   ::malloc_trim(0);
@@ -62,39 +59,61 @@ std::vector<System> wanted_systems(const BenchOptions& options) {
   return systems;
 }
 
-BenchResults run_bench(const BenchOptions& options,
-                       const std::function<void(const BenchResults&)>& after_model) {
-  BenchResults results;
-  results.load_at_start = load_average();
+std::vector<Row> run_simplification(const BenchOptions& options, const AfterModel& after_model) {
   const std::vector<System> systems = wanted_systems(options);
   const std::vector<ModelSource> sources = wanted(all_models(options.data, options.quick), options);
   // Better now than after the first half hour.
   for (const ModelSource& source : sources) require_file(source);
-  const auto finish_model = [&] {
-    results.load_at_end = load_average();
-    after_model(results);
-  };
+  std::vector<Row> rows;
   for (const ModelSource& source : sources) {
     const Model model = prepare(source);
     for (const System& system : systems) {
       for (const Goal& goal : goals_for(system, model.polygons)) {
-        results.rows.push_back(measure(system, model, goal, {options.repeats, true}));
-        print_row(results.rows.back());
+        rows.push_back(measure(system, model, goal, {options.repeats, true}));
+        print_row(rows.back());
       }
     }
-    finish_model();
+    after_model(rows);
   }
-  if (!options.growth) return results;
+  return rows;
+}
+
+std::vector<Row> run_sizes(const BenchOptions& options, const AfterModel& after_model) {
+  std::vector<System> systems = wanted_systems(options);
+  std::erase_if(systems, [](const System& system) {
+    return !system.takes_triangles || system.all_threads || system.runs_to_its_end;
+  });
+  std::vector<ModelSource> sources = wanted(all_models(options.data, true), options);
+  std::erase_if(sources, [](const ModelSource& source) { return source.name != k_drawn_model; });
+  std::vector<Row> rows;
+  for (const ModelSource& source : sources) {
+    require_file(source);
+    const Model model = prepare(source);
+    for (const double share : k_drawn_shares) {
+      const Goal goal{.name = fmt::format("{:g} % of the faces", 100 * share), .face_share = share};
+      for (const System& system : systems) {
+        rows.push_back(measure(system, model, goal, {options.repeats, true}));
+        print_row(rows.back());
+      }
+    }
+    after_model(rows);
+  }
+  return rows;
+}
+
+std::vector<Row> run_growth(const BenchOptions& options, const AfterModel& after_model) {
+  std::vector<System> systems = wanted_systems(options);
+  std::erase_if(systems, [](const System& system) { return !system.in_growth; });
+  std::vector<Row> rows;
   for (const ModelSource& source : wanted(growing_models(options.quick), options)) {
     const Model model = prepare(source);
     for (const System& system : systems) {
-      if (!system.in_growth) continue;
-      results.growth.push_back(measure(system, model, k_tenth, {options.repeats, false}));
-      print_row(results.growth.back());
+      rows.push_back(measure(system, model, k_tenth, {options.repeats, false}));
+      print_row(rows.back());
     }
-    finish_model();
+    after_model(rows);
   }
-  return results;
+  return rows;
 }
 
 }  // namespace recede::bench

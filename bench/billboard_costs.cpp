@@ -4,6 +4,7 @@
 #include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "plot_sheet.h"
 #include <recede/geometry/sample_models.h>
 #include <recede/lod/octahedral_impostor.h>
 #include <recede/render/far_level.h>
@@ -97,6 +98,8 @@ BenchSection measure_billboard_growth(const BenchOptions& options) {
       "the longest side; memory above the model's\n\n| model | billboards at 1 % | clusters, s | of "
       "processors | "
       "textures, s | MB at most |\n|---|---|---|---|---|---|\n";
+  Plot time = log_plot("Four clouds and the textures of one", "faces", "seconds"),
+       memory = log_plot("Memory above the model", "faces", "bytes per face");
   for (const bool are_leaves : {false, true}) {
     for (const std::size_t faces : {10'000u, 30'000u, 100'000u, 300'000u, 1'000'000u}) {
       if (options.quick && faces > 100'000) continue;
@@ -127,9 +130,14 @@ BenchSection measure_billboard_growth(const BenchOptions& options) {
                               {"processor_seconds", f.clustering_processor},
                               {"texture_seconds", f.texturing},
                               {"peak_bytes", f.peak_bytes}});
+      const auto n_faces = static_cast<double>(f.faces);
+      const char* series = are_leaves ? "loose leaves" : "ball with ridges";
+      add_point(time, series, n_faces, f.clustering + f.texturing);
+      add_point(memory, series, n_faces, static_cast<double>(f.peak_bytes) / n_faces);
       fmt::print(stderr, "{}: {:.2f} s\n", name, f.clustering + f.texturing);
     }
   }
+  section.curves = {time, memory};
   return section;
 }
 
@@ -146,6 +154,7 @@ BenchSection measure_far_levels(const BenchOptions& options) {
   const LodHierarchy hierarchy = build_hierarchy(repair_to_polygon_mesh(tree.soup).mesh, tree.name, levels);
   FarLevelOptions far;
   far.relative_errors = {0.005, 0.01, 0.02, 0.04, 0.08};
+  Plot plot = log_plot("The tree where a pixel is the error", "bytes", "RMS of sRGB differences");
   for (const FarLevelTrial& trial : compare_far_levels(hierarchy, far)) {
     const double share = trial.error / tree.size();
     if (!trial.cloud) {
@@ -172,7 +181,11 @@ BenchSection measure_far_levels(const BenchOptions& options) {
                             {"triangles", trial.triangles},
                             {"triangle_bytes", trial.triangle_bytes},
                             {"triangle_difference", trial.triangle_difference}});
+    add_point(plot, "billboards", static_cast<double>(trial.billboard_bytes), trial.billboard_difference);
+    add_point(plot, "octahedral impostor", static_cast<double>(billboard_bytes(impostor)), of_impostor);
+    add_point(plot, "triangles", static_cast<double>(trial.triangle_bytes), trial.triangle_difference);
   }
+  section.curves.push_back(plot);
   return section;
 }
 

@@ -4,6 +4,7 @@
 #include "cloud_check.h"
 #include "hough_billboards.h"
 #include "measurement.h"
+#include "plot_sheet.h"
 #include <recede/lod/billboard_mipmaps.h>
 #include <recede/lod/detail/plane_cover.h>
 
@@ -92,6 +93,7 @@ BenchSection measure_billboard_counts(const BenchOptions& options) {
       "| model | | 4 % | 2 % | 1 % | 0.5 % | farthest, errors ; largest angle "
       "|\n|---|---|---|---|---|---|---|\n";
   for (const BillboardModel& model : billboard_models(options)) {
+    Plot plot = log_plot(model.name, "texels with sides of the error", "error / longest side");
     for (const Construction& construction : constructions_of(model)) {
       std::string cells;
       CloudCheck worst;
@@ -102,6 +104,7 @@ BenchSection measure_billboard_counts(const BenchOptions& options) {
         worst.distance = std::max(worst.distance, check.distance);
         worst.deviation = std::max(worst.deviation, check.deviation);
         is_sound = is_sound && check.is_sound(construction.largest_deviation);
+        add_point(plot, construction.name, static_cast<double>(count_texels(cloud)), k_shares[i]);
         cells += fmt::format(" {} / {} |", in_short(cloud.billboards.size()), in_short(count_texels(cloud)));
         section.rows.push_back({{"model", model.name},
                                 {"faces", model.soup.n_faces()},
@@ -120,6 +123,7 @@ BenchSection measure_billboard_counts(const BenchOptions& options) {
                       construction.name, cells, worst.distance, worst.deviation * 180 / std::numbers::pi,
                       is_sound ? "" : ", **not what was promised**");
     }
+    section.curves.push_back(plot);
     fmt::print(stderr, "{} is counted\n", model.name);
   }
   return section;

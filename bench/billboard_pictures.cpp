@@ -130,7 +130,7 @@ Vec3 upwards(const std::string& name) {
 
 }  // namespace
 
-std::string billboard_pictures(const BenchOptions& options) {
+BenchSection draw_billboards(const BenchOptions& options) {
   std::filesystem::create_directories(options.out);
   std::string text = "| model | billboards | texels |\n|---|---|---|\n";
   for (const BillboardModel& model : billboard_models(options)) {
@@ -152,7 +152,7 @@ std::string billboard_pictures(const BenchOptions& options) {
                           encoded(montage(trimmed(above), trimmed(below))));
     text += fmt::format("| {} | {} | {} |\n", model.name, textures.billboards.size(), textures.n_texels());
   }
-  return text;
+  return {.markdown = text};
 }
 
 }  // namespace recede::bench

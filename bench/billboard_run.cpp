@@ -2,15 +2,15 @@
 
 namespace recede::bench {
 
-std::string billboard_tables(const BenchOptions& options) {
-  return section_tables(options, "Billboard clouds", "billboards",
-                        {{"growth", measure_billboard_growth},
-                         {"counts", measure_billboard_counts},
-                         {"planes", measure_plane_counts},
-                         {"outlines", measure_outlines},
-                         {"relit", measure_relit},
-                         {"atlases", measure_atlases},
-                         {"far levels", measure_far_levels}});
+BenchSection measure_billboards(const BenchOptions& options) {
+  return run_sections(options, "Billboard clouds", "billboards",
+                      {{"growth", measure_billboard_growth},
+                       {"counts", measure_billboard_counts},
+                       {"planes", measure_plane_counts, false},
+                       {"outlines", measure_outlines, false},
+                       {"relit", measure_relit, false},
+                       {"atlases", measure_atlases, false},
+                       {"far levels", measure_far_levels}});
 }
 
 }  // namespace recede::bench

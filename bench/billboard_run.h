@@ -32,12 +32,12 @@ BenchSection measure_atlases(const BenchOptions& options);
 BenchSection measure_far_levels(const BenchOptions& options);
 
 /// Runs all sections for the models that `options.models` finds and writes billboards.md and
-/// billboards.jsonl, an object a line, into `options.out`. `options.systems` chooses sections. Returns the
-/// text.
-std::string billboard_tables(const BenchOptions& options);
+/// billboards.jsonl, an object a line, into `options.out`. `options.systems` chooses sections. Returns all
+/// together.
+BenchSection measure_billboards(const BenchOptions& options);
 
 /// Pictures instead, billboards-<model>.png: the model, its billboards in a colour each, and textured. Above
 /// near by; below where a pixel is their error, enlarged. Returns what they show.
-std::string billboard_pictures(const BenchOptions& options);
+BenchSection draw_billboards(const BenchOptions& options);
 
 }  // namespace recede::bench

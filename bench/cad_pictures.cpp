@@ -193,7 +193,7 @@ std::string figures(const CadSubject& subject, const CadMeshes& meshes, double p
 
 }  // namespace
 
-std::string cad_pictures(const BenchOptions& options) {
+BenchSection draw_cad(const BenchOptions& options) {
   std::filesystem::create_directories(options.out);
   std::string text =
       "| model, pixels of its diagonal | distance | BRepMesh: triangles ; faces ; deviation, pixels ; open "
@@ -225,7 +225,7 @@ std::string cad_pictures(const BenchOptions& options) {
   }
   text += cad_distance_plots(options);
   write_file_atomically(options.out / "cad-distances.md", text);
-  return text;
+  return {.markdown = text};
 }
 
 }  // namespace recede::bench

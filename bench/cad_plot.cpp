@@ -1,8 +1,8 @@
 #include "cad_meshers.h"
 #include "cad_run.h"
+#include "plot_sheet.h"
 #include <recede/geometry/atomic_file.h>
 #include <recede/lod/view_settings.h>
-#include <recede/render/svg_plot.h>
 
 #include <fmt/format.h>
 
@@ -14,7 +14,6 @@ namespace {
 /// Pixels that the diagonal covers.
 constexpr std::array<double, 11> k_sizes{1000, 600, 300, 170, 100, 60, 30, 17, 10, 6, 3};
 constexpr double k_usual_angle = 0.5;  // radians, BRepMesh's default
-constexpr int k_width = 500, k_height = 360;
 
 /// Triangles of all instances, for each level.
 std::vector<std::size_t> count(const CadSubject& subject,
@@ -36,31 +35,26 @@ struct Curve {
   std::vector<std::size_t> counts;
 };
 
-std::string plot_of(const CadSubject& subject, const std::vector<double>& distances,
-                    const std::vector<Curve>& curves) {
+Plot plot_of(const CadSubject& subject, const std::vector<double>& distances,
+             const std::vector<Curve>& curves) {
   std::size_t n_patches = 0;
   for (const CadInstance& instance : subject.model.instances)
     n_patches += subject.model.parts[instance.part].patches.size();
-  Plot plot{.title = fmt::format("{}: {} patches", subject.name, n_patches),
-            .x = {"distance in diagonals, 1080 pixels high, 45 degrees", true},
-            .y = {"triangles", true},
-            .width = k_width,
-            .height = k_height};
+  Plot plot = log_plot(fmt::format("{}: {} patches", subject.name, n_patches),
+                       "distance in diagonals, 1080 pixels high, 45 degrees", "triangles");
   for (const Curve& curve : curves) {
-    PlotSeries& series = plot.series.emplace_back();
-    series.name = curve.name;
     for (std::size_t i = 0; i < distances.size(); ++i)
-      series.points.emplace_back(distances[i], static_cast<double>(curve.counts[i]));
+      add_point(plot, curve.name, distances[i], static_cast<double>(curve.counts[i]));
   }
-  return svg_plot(plot);
+  return plot;
 }
 
 }  // namespace
 
 std::string cad_distance_plots(const BenchOptions& options) {
   const std::filesystem::path folder = options.data.parent_path() / "cad/occ";
-  std::string text, plots;
-  int n_plots = 0;
+  std::string text;
+  std::vector<Plot> plots;
   for (const CadSubject& subject :
        {load_cad_assembly(4000), load_cad({"Top.brep", false, folder / "Top.brep"})}) {
     std::vector<double> deflections, distances;
@@ -81,14 +75,9 @@ std::string cad_distance_plots(const BenchOptions& options) {
       for (const Curve& curve : curves) text += fmt::format(" {} |", curve.counts[i]);
       text += '\n';
     }
-    plots += fmt::format("<g transform=\"translate({} 0)\">\n{}</g>\n", k_width * n_plots++,
-                         plot_of(subject, distances, curves));
+    plots.push_back(plot_of(subject, distances, curves));
   }
-  write_file_atomically(
-      options.out / "cad-distances.svg",
-      fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-                  "height=\"{1}\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"#fff\"/>\n{2}</svg>\n",
-                  k_width * n_plots, k_height, plots));
+  write_file_atomically(options.out / "cad-distances.svg", plot_sheet(plots));
   return text;
 }
 

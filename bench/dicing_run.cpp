@@ -1,6 +1,7 @@
 #include "dicing_run.h"
 
 #include "models.h"
+#include "plot_sheet.h"
 #include <recede/lod/displacement_bake.h>
 #include <recede/lod/simplify.h>
 #include <recede/render/image_difference.h>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr int k_width = 1920, k_height = 1080;
 constexpr double k_field_of_view = 0.7;
+constexpr const char* k_drawn_model = "bunny00";
 /// Of pictures whose errors are compared: every side a quarter.
 constexpr int k_compared_width = k_width / 4, k_compared_height = k_height / 4;
 
@@ -72,6 +74,7 @@ Speed measure_speed(const DisplacedBase& base, const Camera& camera, const Remes
 
 struct UniformMesh {
   std::size_t triangles = 0;
+  double seconds = 0;
   std::array<double, 2> errors{};  ///< of both views
 };
 
@@ -80,8 +83,9 @@ std::vector<UniformMesh> measure_uniform(const BakedMaps& maps, const std::vecto
                                          const std::vector<Image>& references) {
   std::vector<UniformMesh> meshes;
   for (const int parts : {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20, 24, 28}) {
-    const PolygonSoup soup = dice_surface(maps, {.parts = parts});
     UniformMesh& mesh = meshes.emplace_back();
+    PolygonSoup soup;
+    mesh.seconds = median_seconds(1, [&] { soup = dice_surface(maps, {.parts = parts}); });
     mesh.triangles = soup.n_faces();
     for (std::size_t v = 0; v < views.size(); ++v)
       mesh.errors[v] = compare_images(picture_of(soup, views[v].camera), references[v]).rmse;
@@ -89,7 +93,8 @@ std::vector<UniformMesh> measure_uniform(const BakedMaps& maps, const std::vecto
   return meshes;
 }
 
-std::string error_rows(const std::string& model, const BakedMaps& maps, const DisplacedBase& base) {
+std::string error_rows(const std::string& model, const BakedMaps& maps, const DisplacedBase& base,
+                       std::vector<Plot>& curves) {
   const std::vector<NamedView> views = views_of(maps.surface, k_compared_width, k_compared_height);
   // The surface of the map itself, by triangles of half a pixel.
   std::vector<Image> references;
@@ -101,10 +106,21 @@ std::string error_rows(const std::string& model, const BakedMaps& maps, const Di
   const std::vector<UniformMesh> uniform = measure_uniform(maps, views, references);
   std::string rows;
   for (std::size_t v = 0; v < views.size(); ++v) {
+    const std::string title = fmt::format("{}, {}", model, views[v].name);
+    Plot over_time = log_plot(title, "processor seconds", "RMSE of the picture"),
+         over_size = log_plot(title, "triangles", "RMSE of the picture");
+    const auto add = [&](const char* series, std::size_t triangles, double seconds, double error) {
+      add_point(over_time, series, seconds, error);
+      add_point(over_size, series, static_cast<double>(triangles), error);
+    };
     for (const double pixels : {1.0, 2.0, 4.0, 8.0}) {
-      const RemeshResult diced = remesh_for_view(base, remesh_view_of(views[v].camera),
-                                                 {.triangle_pixels = pixels, .normals = false});
+      RemeshResult diced;
+      const double seconds = median_seconds(1, [&] {
+        diced = remesh_for_view(base, remesh_view_of(views[v].camera),
+                                {.triangle_pixels = pixels, .normals = false});
+      });
       const double error = compare_images(picture_of(diced.soup, views[v].camera), references[v]).rmse;
+      add("Recede", diced.report.triangles, seconds, error);
       std::string same = "more than the finest";
       for (const UniformMesh& mesh : uniform) {
         if (mesh.errors[v] > error) continue;
@@ -115,16 +131,21 @@ std::string error_rows(const std::string& model, const BakedMaps& maps, const Di
       rows += fmt::format("| {}, {} | {} | {} | {:.5f} | {} |\n", model, views[v].name, pixels,
                           diced.report.triangles, error, same);
     }
+    for (const UniformMesh& mesh : uniform) add("uniform", mesh.triangles, mesh.seconds, mesh.errors[v]);
+    curves.push_back(over_time);
+    curves.push_back(over_size);
   }
   return rows;
 }
 
 }  // namespace
 
-std::string dicing_tables(const BenchOptions& options) {
+BenchSection measure_dicing(const BenchOptions& options) {
+  BenchSection section;
   std::string speeds, errors;
   for (const ModelSource& source : all_models(options.data, true)) {
-    if (source.polygons || !is_wanted(source.name, options.models)) continue;
+    const bool is_drawn = source.name == k_drawn_model;
+    if (source.polygons || !is_wanted(source.name, options.models) || (options.quick && !is_drawn)) continue;
     require_file(source);
     const BakedMaps maps = maps_of(load_model(source));
     const DisplacedBase base(maps);
@@ -141,16 +162,19 @@ std::string dicing_tables(const BenchOptions& options) {
         speeds += "\n";
       }
     }
-    errors += error_rows(source.name, maps, base);
+    std::vector<Plot> curves;
+    errors += error_rows(source.name, maps, base, curves);
+    if (is_drawn) section.curves = std::move(curves);
     fmt::print(stderr, "{} is done\n", source.name);
   }
-  return "| vertices ; triangles ; seconds ; million vertices per second | 1 pixel | without normals | "
-         "`mean` | "
-         "4 pixels |\n|---|---|---|---|---|\n" +
-         speeds +
-         "\n| | pixels | triangles | RMSE | uniform of no larger error: triangles ; ratio |\n"
-         "|---|---|---|---|---|\n" +
-         errors;
+  section.markdown =
+      "| vertices ; triangles ; seconds ; million vertices per second | 1 pixel | without normals | `mean` | "
+      "4 pixels |\n|---|---|---|---|---|\n" +
+      speeds +
+      "\n| | pixels | triangles | RMSE | uniform of no larger error: triangles ; ratio |\n"
+      "|---|---|---|---|---|\n" +
+      errors;
+  return section;
 }
 
 }  // namespace recede::bench

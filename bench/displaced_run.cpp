@@ -3,6 +3,7 @@
 #include "child_process.h"
 #include "displaced_rays.h"
 #include "displaced_scenes.h"
+#include "plot_sheet.h"
 #include <recede/geometry/error.h>
 #include <recede/render/detail/displaced_data.h>
 #include <recede/render/detail/flush_denormals.h>
@@ -216,7 +217,10 @@ std::string systems_table(const std::string& name, const std::function<Displaced
       name, level, small, text);
 }
 
-std::string levels_table(const BenchOptions& options) {
+void add_levels(const BenchOptions& options, BenchSection& section) {
+  Plot memory = log_plot("Fractal sphere: memory", "small triangles", "bytes of a small triangle"),
+       camera = log_plot("Rays of a camera, one by one", "small triangles", "microseconds of a ray"),
+       incoherent = log_plot("Incoherent rays", "small triangles", "microseconds of a ray");
   std::string text =
       "**Fractal sphere at growing levels: bytes each ; camera rays 16 together ; camera ; incoherent**\n\n| "
       "level |";
@@ -231,8 +235,9 @@ std::string levels_table(const BenchOptions& options) {
   text += "\n|---|";
   for (std::size_t k = 0; k < systems.size(); ++k) text += "---|";
   text += "\n";
-  if (systems.empty()) return {};
-  for (int level = 1; level <= 8; ++level) {
+  if (systems.empty()) return;
+  const int most = options.quick ? 5 : 8;
+  for (int level = 1; level <= most; ++level) {
     text += fmt::format("| {} |", level);
     for (const DisplacedSystem& system : systems) {
       if ((std::size_t{3072} << (2 * level)) > system.most_small) {
@@ -240,20 +245,25 @@ std::string levels_table(const BenchOptions& options) {
         continue;
       }
       const ChildAnswer answer = measure_in_child(system, fractal_sphere, level, options.repeats);
-      text += fmt::format(" {} |", cell(answer, [](const Figures& f) {
+      text += fmt::format(" {} |", cell(answer, [&](const Figures& f) {
+                            const auto small = static_cast<double>(f.small);
+                            add_point(memory, system.name, small, f.bytes);
+                            add_point(camera, system.name, small, 1 / f.camera);
+                            add_point(incoherent, system.name, small, 1 / f.incoherent);
                             return fmt::format("{:.3g} ; {:.3g} ; {:.3g} ; {:.3g}", f.bytes, f.packets,
                                                f.camera, f.incoherent);
                           }));
     }
     text += "\n";
   }
-  return text + "\n";
+  section.markdown += text + "\n";
+  section.curves = {memory, camera, incoherent};
 }
 
 /// What a map of 4096 x 4096 texels on a million triangles costs, as a surface alone and as a scene of the
 /// renderer, which also keeps what shading needs of the base.
-std::string memory_lines() {
-  std::string text = text_in_child([] {
+std::string memory_lines(const BenchOptions& options) {
+  std::string text = text_in_child([&] {
     warm_up();
     DisplacedSurface surface = tiled_sphere();
     std::vector<Index> faces;
@@ -261,11 +271,12 @@ std::string memory_lines() {
     const std::size_t triangles = faces.size(), map = surface.map.bytes();
     malloc_trim(0);
     const std::size_t before = resident_bytes();
-    DisplacedMeshOptions options;
-    options.level = surface.level;
-    const DisplacedMesh mesh(surface.base, std::move(surface.map), options);
+    DisplacedMeshOptions levels;
+    levels.level = surface.level;
+    const DisplacedMesh mesh(surface.base, std::move(surface.map), levels);
     const std::vector<Ray> rays = camera_rays(Vec3::Zero(), 0.5);
-    const double rate = single_rate(mesh.data().scene, rays, rays.size(), true);
+    const double rate =
+        single_rate(mesh.data().scene, rays, options.quick ? rays.size() / 16 : rays.size(), true);
     malloc_trim(0);
     const DisplacedMesh::Memory memory = mesh.memory();
     return fmt::format(
@@ -282,9 +293,9 @@ std::string memory_lines() {
     const DisplacedSurface surface = tiled_sphere();
     malloc_trim(0);
     const std::size_t before = resident_bytes();
-    DisplacedMeshOptions options;
-    options.level = surface.level;
-    const Scene scene(surface.base, surface.map, options);
+    DisplacedMeshOptions levels;
+    levels.level = surface.level;
+    const Scene scene(surface.base, surface.map, levels);
     Camera camera;
     camera.width = camera.height = 256;
     RenderOptions rendering;
@@ -363,14 +374,16 @@ std::string pictures_table(const BenchOptions& options) {
 
 }  // namespace
 
-std::string displaced_tables(const BenchOptions& options) {
+BenchSection measure_displaced(const BenchOptions& options) {
   // Children first: they must be forked before this process has threads.
-  std::string text = systems_table("Fractal sphere", fractal_sphere, 6, options);
-  text += systems_table(
-      "Bunny with a map", [&] { return mapped_bunny(options.data); }, 5, options);
-  if (!options.quick) text += levels_table(options);
-  text += pictures_table(options) + memory_lines() + edit_line();
-  return text + displaced_checks(options);
+  BenchSection section;
+  section.markdown = systems_table("Fractal sphere", fractal_sphere, options.quick ? 5 : 6, options);
+  section.markdown += systems_table(
+      "Bunny with a map", [&] { return mapped_bunny(options.data); }, options.quick ? 4 : 5, options);
+  add_levels(options, section);
+  section.markdown +=
+      pictures_table(options) + memory_lines(options) + edit_line() + displaced_checks(options);
+  return section;
 }
 
 }  // namespace recede::bench

@@ -2,15 +2,15 @@
 // recursion that tests all small triangles.
 #pragma once
 
-#include "bench_run.h"
+#include "section_run.h"
 
 #include <string>
 
 namespace recede::bench {
 
-/// Measures everything and gives the tables, in Markdown. Each system runs in a process of its own; rates are
+/// Measures everything. Each system runs in a process of its own; rates are
 /// of one thread.
-std::string displaced_tables(const BenchOptions& options);
+BenchSection measure_displaced(const BenchOptions& options);
 
 /// Rays that get out of closed surfaces, first hits that differ from brute force, and false shadows, counted.
 std::string displaced_checks(const BenchOptions& options);

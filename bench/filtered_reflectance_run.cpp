@@ -1,4 +1,5 @@
 #include "appearance_run.h"
+#include "plot_sheet.h"
 #include "reflectance_filters.h"
 #include "reliefs.h"
 #include <recede/render/displaced_plane.h>
@@ -26,7 +27,7 @@ constexpr NamedMaterial k_materials[] = {
     {"albedo 0.5 and alpha 0.2", {.albedo = 0.5, .roughness = 0.2}},
     {"alpha 0.1 alone", {.albedo = 0, .roughness = 0.1}},
 };
-constexpr std::size_t k_material_count = std::size(k_materials);
+constexpr std::size_t k_material_count = std::size(k_materials), k_glossy = 1;
 
 Vec3 direction(double height, double azimuth) {
   const double level = std::sqrt(1 - height * height);
@@ -129,7 +130,6 @@ Image lobe(const Radiance& radiance, double scale) {
 
 /// Rows of one relief: traced, ours, and the others but the mean normal.
 Image lobes(const DisplacedPlane& plane, const std::vector<ReflectanceFilter>& filters) {
-  constexpr std::size_t k_glossy = 1;
   constexpr int k_rays = 24;
   const auto traced = [&](const Pair& pair) { return trace(plane, pair, 1, k_rays).lit[k_glossy]; };
   // As bright as half of white in the mean.
@@ -194,6 +194,12 @@ class Tables {
     rows += fmt::format(" {:.1f} | {:.1f} |\n", 100 * errors.unshaded, 100 * errors.noise);
     add_figure(relief.name, "unshaded", m, errors.unshaded);
     add_figure(relief.name, "noise", m, errors.noise);
+    if (m != k_glossy) return;
+    // Ours, which is the last, has the first colour.
+    for (std::size_t f = filters.size(); f-- > 0;) {
+      if (!filters[f].label.empty())
+        add_point(curve_, filters[f].label, static_cast<double>(filters[f].bytes), 100 * errors.filters[f]);
+    }
   }
   void add(const Relief& relief, const Costs& costs) {
     costs_ += fmt::format("| {} | {:.1f} ms | {:.0f} ms, {} bytes | {:.0f} ns |\n", relief.name,
@@ -210,7 +216,9 @@ class Tables {
         k_pairs, k_rays_aside * k_rays_aside);
     for (const std::string& rows : rows_) text += '\n' + rows;
     text += "\n| | one distribution | all levels | one pair of directions |\n|---|---|---|---|\n" + costs_;
-    return {text, csv_};
+    AppearanceSection section{text, csv_, {curve_}};
+    for (PlotSeries& series : section.curves.front().series) series.line = false;
+    return section;
   }
 
  private:
@@ -223,6 +231,8 @@ class Tables {
 
   std::array<std::string, k_material_count> rows_;
   std::string costs_, csv_;
+  Plot curve_ = log_plot(fmt::format("A dot for each relief, {}", k_materials[k_glossy].name),
+                         "bytes of a distribution", "mean error, % of the mean");
 };
 
 }  // namespace
@@ -231,8 +241,7 @@ AppearanceSection measure_filtered_reflectance(const BenchOptions& options) {
   const std::vector<Pair> pairs = random_pairs();
   Tables tables;
   Image picture;
-  for (const Relief& relief : make_reliefs()) {
-    if (!is_wanted(relief.name, options.models)) continue;
+  for (const Relief& relief : wanted_reliefs(options)) {
     const DisplacedPlane plane(relief.map, {1, 1});
     std::vector<Traced> traced(pairs.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t k) {

@@ -99,12 +99,15 @@ std::string csv(const std::vector<HardCaseResult>& results) {
 
 }  // namespace
 
-void write_hard_cases(const std::vector<HardCaseResult>& results, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  std::string text = results.empty() ? "" : overview(results) + operations(results) + "## Each case\n\n";
-  for (const HardCaseResult& result : results) text += details(result);
-  write_file_atomically(folder / "hard-cases.md", text);
-  write_file_atomically(folder / "hard-cases.csv", csv(results));
+BenchSection measure_hard_cases(const BenchOptions& options) {
+  std::filesystem::create_directories(options.out);
+  const std::vector<HardCaseResult> results = run_hard_cases(options);
+  BenchSection section;
+  if (!results.empty()) section.markdown = overview(results) + operations(results) + "## Each case\n\n";
+  for (const HardCaseResult& result : results) section.markdown += details(result);
+  write_file_atomically(options.out / "hard-cases.md", section.markdown);
+  write_file_atomically(options.out / "hard-cases.csv", csv(results));
+  return section;
 }
 
 }  // namespace recede::bench

@@ -167,7 +167,8 @@ std::vector<HardCaseResult> run_hard_cases(const BenchOptions& options) {
     systems.insert(systems.begin(), ours);
   }
   std::vector<HardCaseResult> results;
-  for (const auto& cases : {test::hard_cases(), test::large_hard_cases()}) {
+  for (const auto& cases :
+       {test::hard_cases(), options.quick ? std::vector<HardCase>{} : test::large_hard_cases()}) {
     for (const HardCase& hard_case : cases) {
       if (is_wanted(hard_case.name, options.models)) results.push_back(run_case(hard_case, systems));
     }

@@ -1,7 +1,7 @@
 // Meshes that break simplifiers: what every system gives on each, and what our operations do.
 #pragma once
 
-#include "bench_run.h"
+#include "section_run.h"
 
 #include <optional>
 
@@ -46,7 +46,7 @@ inline constexpr unsigned k_hard_case_seconds = 60;
 /// Each of our operations on the polygons of a case, in processes of their own.
 std::vector<OperationRow> run_operations(const test::HardCase& hard_case);
 
-/// Writes hard-cases.md and hard-cases.csv into the folder, which is made when missing.
-void write_hard_cases(const std::vector<HardCaseResult>& results, const std::filesystem::path& folder);
+/// All of them as tables. Writes hard-cases.md and hard-cases.csv into `options.out`.
+BenchSection measure_hard_cases(const BenchOptions& options);
 
 }  // namespace recede::bench

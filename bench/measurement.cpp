@@ -172,7 +172,6 @@ Row measure(const System& system, const Model& model, const Goal& goal, const Me
           .label = system.label,
           .all_threads = system.all_threads,
           .polygons = model.polygons,
-          .synthetic = model.synthetic,
           .input_faces = model.soup.n_faces(),
           .input_vertices = model.soup.positions.size(),
           .target = target.faces.value_or(target.vertices.value_or(0))};

@@ -16,7 +16,7 @@ struct Goal {
 
 struct Model {
   std::string name;
-  bool polygons = false, synthetic = false;
+  bool polygons = false;
   PolygonSoup soup;
   SurfaceDefects defects;
 };
@@ -39,7 +39,7 @@ struct Figures {
 
 struct Row {
   std::string model, goal, system, label;
-  bool all_threads = false, polygons = false, synthetic = false;
+  bool all_threads = false, polygons = false;
   std::size_t input_faces = 0, input_vertices = 0;
   std::size_t target = 0;            ///< faces, or vertices where the goal says so; 0: none
   std::optional<Figures> figures{};  ///< absent: refused, crashed or out of time

@@ -20,9 +20,8 @@ ModelSource from_file(const std::filesystem::path& data, const std::string& name
 }
 
 ModelSource sphere(const std::string& name, std::size_t faces, bool triangles) {
-  return {.name = name, .polygons = !triangles, .synthetic = triangles, .load = [=] {
-            return make_displaced_sphere(faces, triangles);
-          }};
+  return {
+      .name = name, .polygons = !triangles, .load = [=] { return make_displaced_sphere(faces, triangles); }};
 }
 
 void round_to_float(PolygonSoup& soup) {

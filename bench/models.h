@@ -14,7 +14,6 @@ namespace recede::bench {
 struct ModelSource {
   std::string name;
   bool polygons = false;         ///< quads, measured for how many of them stay
-  bool synthetic = false;        ///< a displaced sphere, which the plots show
   std::filesystem::path file{};  ///< it is read from; empty: made by code
   std::function<PolygonSoup()> load;
 };

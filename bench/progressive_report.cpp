@@ -1,6 +1,5 @@
 #include "bench_report.h"
 #include "progressive_run.h"
-#include <recede/geometry/atomic_file.h>
 
 #include <fmt/format.h>
 
@@ -209,8 +208,21 @@ Named named(const WalkFigures& f) {
           {"moves", f.moves}};
 }
 
-/// A line for each figure: the measurements have nothing in common.
-std::string csv(const std::vector<ProgressiveRow>& rows) {
+}  // namespace
+
+std::string progressive_tables(const std::vector<ProgressiveRow>& rows) {
+  return table("Progressive meshes: processor seconds", rows, progressive_lines()) +
+         table(fmt::format("A new atlas, and {:g} % of the faces with it: processor seconds ; RMS in 1e-4",
+                           100 * k_texture_share),
+               rows, texture_lines()) +
+         table(fmt::format("Maps of {} texels on {:g} % of the faces: processor seconds ; RMS in 1e-4",
+                           k_map_size, 100 * k_map_share),
+               rows, map_lines()) +
+         table(fmt::format("A walk of {} views at an error of one pixel", k_walk_frames), rows, walk_lines());
+}
+
+// A line for each figure: the measurements have nothing in common.
+std::string progressive_csv(const std::vector<ProgressiveRow>& rows) {
   std::string text = "model,faces,vertices,measurement,figure,value\n";
   for (const ProgressiveRow& row : rows) {
     const auto add = [&](const char* measurement, const auto& measured) {
@@ -230,25 +242,6 @@ std::string csv(const std::vector<ProgressiveRow>& rows) {
     add("walk", row.walk);
   }
   return text;
-}
-
-}  // namespace
-
-std::string progressive_tables(const std::vector<ProgressiveRow>& rows) {
-  return table("Progressive meshes: processor seconds", rows, progressive_lines()) +
-         table(fmt::format("A new atlas, and {:g} % of the faces with it: processor seconds ; RMS in 1e-4",
-                           100 * k_texture_share),
-               rows, texture_lines()) +
-         table(fmt::format("Maps of {} texels on {:g} % of the faces: processor seconds ; RMS in 1e-4",
-                           k_map_size, 100 * k_map_share),
-               rows, map_lines()) +
-         table(fmt::format("A walk of {} views at an error of one pixel", k_walk_frames), rows, walk_lines());
-}
-
-void write_progressive(const std::vector<ProgressiveRow>& rows, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  write_file_atomically(folder / "progressive.md", progressive_tables(rows));
-  write_file_atomically(folder / "progressive.csv", csv(rows));
 }
 
 }  // namespace recede::bench

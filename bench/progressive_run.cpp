@@ -2,6 +2,7 @@
 
 #include "child_process.h"
 #include "models.h"
+#include <recede/geometry/atomic_file.h>
 #include <recede/geometry/chart_atlas.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
@@ -22,21 +23,9 @@ namespace {
 
 constexpr unsigned k_seconds_allowed = 900;
 
-std::size_t share_of_faces(const PolygonSoup& soup, double share) {
-  return static_cast<std::size_t>(share * static_cast<double>(soup.n_faces()));
-}
-
 double rms_share(const PolygonSoup& input, const PolygonSoup& result) {
   const MeshDistance distance = measure_distance(input, result);
   return distance.rms / distance.diagonal;
-}
-
-ProgressiveOptions progressive_options(const PolygonSoup& soup, bool prove) {
-  ProgressiveOptions options;
-  options.simplify.target.faces = share_of_faces(soup, k_base_share);
-  options.simplify.placement = VertexPlacement::half_edge;
-  options.simplify.prove_error = prove;
-  return options;
 }
 
 ProgressiveFigures::File measure_file(const ProgressiveMesh& mesh, const PmeshOptions& options,
@@ -121,16 +110,6 @@ MapFigures measure_map(const PolygonSoup& soup, std::size_t repeats) {
   return figures;
 }
 
-RefinementView view_of_frame(int frame, const Vec3& center, double radius) {
-  const double angle = std::numbers::pi * frame / k_walk_frames;
-  const double distance = radius * (1.2 + 0.6 * std::cos(3 * angle));
-  RefinementView view;
-  view.position = center + distance * Vec3(std::sin(angle), 0.3, std::cos(angle));
-  view.target = center + 0.3 * radius * Vec3(std::cos(2 * angle), 0, 0);
-  view.aspect_ratio = 16.0 / 9;
-  return view;
-}
-
 WalkFigures measure_walk(const PolygonSoup& soup) {
   const ProgressiveMesh mesh = build_progressive_mesh(soup, progressive_options(soup, true));
   const Box3 box = bounding_box(soup);
@@ -139,7 +118,7 @@ WalkFigures measure_walk(const PolygonSoup& soup) {
   figures.setup_seconds = median_seconds(1, [&] { selective.emplace(mesh); });
   std::vector<double> milliseconds, faces, moves;
   for (int frame = 0; frame < k_walk_frames; ++frame) {
-    const RefinementView view = view_of_frame(frame, box.center(), box.diagonal().norm() / 2);
+    const RefinementView view = view_of_frame(frame, box);
     RefinementReport report;
     milliseconds.push_back(1e3 * median_seconds(1, [&] { report = selective->update(view); }));
     faces.push_back(static_cast<double>(report.faces));
@@ -190,7 +169,31 @@ ProgressiveRow run_model(const ModelSource& source, const BenchOptions& options)
 
 }  // namespace
 
-std::vector<ProgressiveRow> run_progressive(const BenchOptions& options) {
+std::size_t share_of_faces(const PolygonSoup& soup, double share) {
+  return static_cast<std::size_t>(share * static_cast<double>(soup.n_faces()));
+}
+
+ProgressiveOptions progressive_options(const PolygonSoup& soup, bool prove) {
+  ProgressiveOptions options;
+  options.simplify.target.faces = share_of_faces(soup, k_base_share);
+  options.simplify.placement = VertexPlacement::half_edge;
+  options.simplify.prove_error = prove;
+  return options;
+}
+
+RefinementView view_of_frame(int frame, const Box3& box) {
+  const Vec3 center = box.center();
+  const double radius = box.diagonal().norm() / 2;
+  const double angle = std::numbers::pi * frame / k_walk_frames;
+  const double distance = radius * (1.2 + 0.6 * std::cos(3 * angle));
+  RefinementView view;
+  view.position = center + distance * Vec3(std::sin(angle), 0.3, std::cos(angle));
+  view.target = center + 0.3 * radius * Vec3(std::cos(2 * angle), 0, 0);
+  view.aspect_ratio = 16.0 / 9;
+  return view;
+}
+
+BenchSection measure_progressive(const BenchOptions& options) {
   std::vector<ModelSource> sources = all_models(options.data, options.quick);
   std::erase_if(sources, [&](const ModelSource& source) {
     return source.polygons || !is_wanted(source.name, options.models);
@@ -198,12 +201,16 @@ std::vector<ProgressiveRow> run_progressive(const BenchOptions& options) {
   for (const ModelSource& source : sources) require_file(source);
   std::filesystem::create_directories(options.out);
   std::vector<ProgressiveRow> rows;
+  BenchSection section;
   for (const ModelSource& source : sources) {
     rows.push_back(run_model(source, options));
     fmt::print(stderr, "{} is done\n", source.name);
-    write_progressive(rows, options.out);
+    section.markdown = progressive_tables(rows);
+    write_file_atomically(options.out / "progressive.md", section.markdown);
+    write_file_atomically(options.out / "progressive.csv", progressive_csv(rows));
   }
-  return rows;
+  section.curves = progressive_curves(options);
+  return section;
 }
 
 }  // namespace recede::bench

@@ -1,7 +1,9 @@
 // Progressive meshes, texture deviation, charts and maps measured, beside OpenMesh's progressive mesh.
 #pragma once
 
-#include "bench_run.h"
+#include "section_run.h"
+#include <recede/lod/progressive_mesh.h>
+#include <recede/lod/selective_mesh.h>
 
 #include <optional>
 
@@ -80,18 +82,26 @@ struct ProgressiveRow {
   Measured<WalkFigures> walk{};
 };
 
-/// All triangle models whose name `options.models` finds, each measurement in a process of
-/// its own and in one thread.
-std::vector<ProgressiveRow> run_progressive(const BenchOptions& options);
+/// All triangle models whose name `options.models` finds, each measurement in a process of its own and in one
+/// thread. Writes progressive.md and progressive.csv into `options.out`.
+BenchSection measure_progressive(const BenchOptions& options);
+
+/// Plots of one model, as far as `options.models` finds it: errors over faces and over bytes that have come,
+/// and time over the error of a view.
+std::vector<Plot> progressive_curves(const BenchOptions& options);
+
+/// As progressive.md and progressive.csv have them.
+std::string progressive_tables(const std::vector<ProgressiveRow>& rows);
+std::string progressive_csv(const std::vector<ProgressiveRow>& rows);
+
+std::size_t share_of_faces(const PolygonSoup& soup, double share);
+/// To the base, by half-edge collapses.
+ProgressiveOptions progressive_options(const PolygonSoup& soup, bool prove);
+/// Of a walk around a model with this box.
+RefinementView view_of_frame(int frame, const Box3& box);
 
 /// In OpenMesh: quadrics and a bound on turning normals, to `base_faces`, recorded and written to `file`.
 ProgressivePeerFigures run_openmesh_progressive(const PolygonSoup& soup, std::size_t base_faces,
                                                 const std::filesystem::path& file, std::size_t repeats);
-
-/// The tables, in Markdown.
-std::string progressive_tables(const std::vector<ProgressiveRow>& rows);
-
-/// Writes progressive.md and progressive.csv into the folder, which is made when missing.
-void write_progressive(const std::vector<ProgressiveRow>& rows, const std::filesystem::path& folder);
 
 }  // namespace recede::bench

@@ -101,7 +101,7 @@ ReflectanceFilter toksvig(const Facets& facets) {
   Vec3 sum = Vec3::Zero();
   for (const FacetGroup& facet : facets) sum += facet.share * upward(facet.slope).normalized();
   const double length = sum.norm();
-  return {"Toksvig",
+  return {"Toksvig", "Toksvig", 3 * sizeof(float),
           [normal = Vec3(sum / length), length](const Vec3& v, const Vec3& l, FacetMaterial material) {
             const double exponent = 2 / (material.roughness * material.roughness) - 2;
             const double factor = length / (length + exponent * (1 - length));
@@ -140,19 +140,20 @@ std::vector<ReflectanceFilter> reflectance_filters(const DisplacementMap& map) {
       return hidden_and_shaded(*facets, v, l, material);
     };
   };
-  return {{"mean normal",
+  constexpr std::size_t k_moments = 5 * sizeof(float), k_slope = 3 * sizeof(double);
+  return {{"mean normal", "mean normal", 2 * sizeof(float),
            [](const Vec3& v, const Vec3& l, const FacetMaterial& material) {
              return facet_reflectance(Vec3::UnitZ(), v, l, material) * l.z();
            }},
           toksvig(*all),
-          {"Gaussian, open (LEAN)",
+          {"Gaussian, open (LEAN)", "LEAN", k_moments,
            [gaussian](const Vec3& v, const Vec3& l, const FacetMaterial& material) {
              return in_the_open(*gaussian, v, l, material);
            }},
-          {"Gaussian (LEADR)", smith(gaussian)},
-          {"8 x 8 slopes", smith(bins)},
-          {"all slopes", smith(all)},
-          {"**64 bytes**",
+          {"Gaussian (LEADR)", "LEADR", k_moments, smith(gaussian)},
+          {"8 x 8 slopes", "8 x 8", bins->size() * k_slope, smith(bins)},
+          {"all slopes", "", all->size() * k_slope, smith(all)},
+          {"**64 bytes**", "64 bytes", sizeof(PackedFacets),
            [facets = packed.unpacked()](const Vec3& v, const Vec3& l, const FacetMaterial& material) {
              return filtered_reflectance(facets, v, l, material) * l.z();
            }}};

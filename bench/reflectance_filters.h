@@ -16,6 +16,8 @@ double facet_reflectance(const Vec3& normal, const Vec3& toward_viewer, const Ve
 /// Mean radiance of a level surface under light whose irradiance, square to its direction, is 1.
 struct ReflectanceFilter {
   std::string name;
+  std::string label{};    ///< in plots; empty: not there
+  std::size_t bytes = 0;  ///< of what it keeps of the slopes; single floats but for bins and all slopes
   std::function<double(const Vec3& toward_viewer, const Vec3& toward_light, const FacetMaterial& material)>
       radiance;
 };

@@ -107,4 +107,12 @@ std::vector<Relief> make_reliefs() {
           {"rough ground", rough_ground(), true}};
 }
 
+std::vector<Relief> wanted_reliefs(const BenchOptions& options) {
+  constexpr std::size_t k_quick = 2;
+  std::vector<Relief> reliefs = make_reliefs();
+  if (options.quick) reliefs.erase(reliefs.begin() + k_quick, reliefs.end());
+  std::erase_if(reliefs, [&](const Relief& relief) { return !is_wanted(relief.name, options.models); });
+  return reliefs;
+}
+
 }  // namespace recede::bench

@@ -1,6 +1,7 @@
 // Height fields on which appearances are measured.
 #pragma once
 
+#include "bench_run.h"
 #include <recede/geometry/displacement_map.h>
 
 #include <string>
@@ -17,5 +18,8 @@ struct Relief {
 /// Gaussian bumps, V-grooves, bricks with bevels, half-spheres and scratches; and, held out, long ripples,
 /// cobbles and ground that is rough in every fourth texel.
 std::vector<Relief> make_reliefs();
+
+/// Those that `options.models` finds; of the first two when `quick`.
+std::vector<Relief> wanted_reliefs(const BenchOptions& options);
 
 }  // namespace recede::bench

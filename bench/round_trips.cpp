@@ -57,7 +57,7 @@ RoundTrip round_trip(const PolygonSoup& soup, const fs::path& file) {
 
 }  // namespace
 
-std::string round_trips_table(const BenchOptions& options) {
+BenchSection run_round_trips(const BenchOptions& options) {
   std::vector<std::pair<std::string, fs::path>> files;
   for (const auto& entry : fs::directory_iterator(options.data))
     files.emplace_back(entry.path().filename().string(), entry.path());
@@ -88,7 +88,8 @@ std::string round_trips_table(const BenchOptions& options) {
     if (std::regex_search(hard_case.name, wanted)) add("hard case: " + hard_case.name, hard_case.soup);
   }
   fs::remove(file);
-  return text + fmt::format("\n{} of {} identical, {} refused\n", identical, n, refused);
+  text += fmt::format("\n{} of {} identical, {} refused\n", identical, n, refused);
+  return {.markdown = text};
 }
 
 }  // namespace recede::bench

@@ -29,12 +29,12 @@ std::string fingerprint(const PolygonSoup& soup, CostPolicy cost, std::size_t th
 
 }  // namespace
 
-std::string same_bytes_table(const std::filesystem::path& data) {
+BenchSection compare_threads(const BenchOptions& options) {
   std::string text =
       "| model | kind | faces | `volume`, 1 thread | 2 threads | `normal_deviation`, 1 thread | 2 threads |\n"
       "|---|---|---|---|---|---|---|\n";
   for (const test::DifferentModel& model : test::different_models()) {
-    const PolygonSoup soup = model.load(data);
+    const PolygonSoup soup = model.load(options.data.parent_path());
     text += fmt::format("| {} | {} | {} |", model.name, model.kind, soup.n_faces());
     for (const CostPolicy cost : {CostPolicy::volume, CostPolicy::normal_deviation}) {
       for (const std::size_t threads : {1u, 2u}) {
@@ -44,7 +44,7 @@ std::string same_bytes_table(const std::filesystem::path& data) {
     }
     text += '\n';
   }
-  return text;
+  return {.markdown = text};
 }
 
 }  // namespace recede::bench

@@ -1,6 +1,7 @@
 // The averaged distance: errors by opening, and what an evaluation takes.
 #include "billboard_models.h"
 #include "measurement.h"
+#include "plot_sheet.h"
 #include "shell_run.h"
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/sample_models.h>
@@ -64,6 +65,8 @@ void add_openings(const BenchOptions& options, BenchSection& section) {
       "| "
       "99 % of gradients below | us |\n|---|---|---|---|---|---|\n",
       model.name, model.soup.n_faces(), points.size());
+  Plot plot = log_plot("The field by its opening, " + model.name, "microseconds of an evaluation",
+                       "error of 99 % of the gradients");
   for (const LpExpansion expansion : {LpExpansion::monopole, LpExpansion::quadrupole}) {
     const char* name = expansion == LpExpansion::monopole ? "points" : "with second moments";
     for (const double opening : {0.7, 1.0, 1.25, 1.5, 2.0, 2.5, 5.0}) {
@@ -79,8 +82,10 @@ void add_openings(const BenchOptions& options, BenchSection& section) {
                               {"gradient_error", errors.gradient},
                               {"gradient_error_of_99", errors.gradient_of_99},
                               {"microseconds", 1e6 * errors.seconds}});
+      add_point(plot, name, 1e6 * errors.seconds, errors.gradient_of_99);
     }
   }
+  section.curves.push_back(plot);
 }
 
 void add_growth(BenchSection& section) {
@@ -89,6 +94,7 @@ void add_growth(BenchSection& section) {
       "binary logarithm; a finite support is 10 % of the diameter\n\n| triangles | triangles, no support | / "
       "log2 n | triangles, support | / log2 n | vertices as points | / log2 n "
       "|\n|---|---|---|---|---|---|---|\n";
+  Plot plot = log_plot("Growing balls with ridges", "triangles", "microseconds of an evaluation");
   for (const std::size_t thousands : {1u, 3u, 10u, 30u, 100u, 300u}) {
     const PolygonSoup ball = make_displaced_sphere(1000 * thousands, true);
     const std::vector<Vec3> points = points_near(ball, 4000, 0.005, 0.1);
@@ -103,10 +109,12 @@ void add_growth(BenchSection& section) {
           1e6 * median_seconds(3, [&] { distance.at(points); }) / static_cast<double>(points.size());
       section.markdown += fmt::format(" {:.3g} | {:.3g} |", microseconds, microseconds / logarithm);
       row[name] = microseconds;
+      add_point(plot, name, static_cast<double>(ball.n_faces()), microseconds);
     }
     section.markdown += '\n';
     section.rows.push_back(std::move(row));
   }
+  section.curves.push_back(plot);
 }
 
 }  // namespace

@@ -37,15 +37,15 @@ std::string verdict_of(const ShellLayer& layer) {
                      layer.validity.nested_pieces.size(), layer.excused.size());
 }
 
-std::string shell_tables(const BenchOptions& options) {
-  return section_tables(options, "Shells", "shells",
-                        {{"field", measure_shell_field},
-                         {"directors", measure_shell_directors},
-                         {"experiments", measure_shell_experiments},
-                         {"updates", measure_shell_updates},
-                         {"torture", measure_shell_torture},
-                         {"volumes", measure_shell_volumes},
-                         {"models", measure_shell_models}});
+BenchSection measure_shells(const BenchOptions& options) {
+  return run_sections(options, "Shells", "shells",
+                      {{"field", measure_shell_field},
+                       {"directors", measure_shell_directors, false},
+                       {"experiments", measure_shell_experiments, false},
+                       {"updates", measure_shell_updates, false},
+                       {"torture", measure_shell_torture},
+                       {"volumes", measure_shell_volumes, false},
+                       {"models", measure_shell_models, false}});
 }
 
 }  // namespace recede::bench

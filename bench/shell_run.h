@@ -51,7 +51,7 @@ const char* name_of(ShellSide side);
 std::string verdict_of(const ShellLayer& layer);
 
 /// Runs all sections and writes shells.md and shells.jsonl, an object a line, into `options.out`.
-/// `options.systems` chooses sections, `options.models` models. Returns the text.
-std::string shell_tables(const BenchOptions& options);
+/// `options.systems` chooses sections, `options.models` models. Returns all together.
+BenchSection measure_shells(const BenchOptions& options);
 
 }  // namespace recede::bench

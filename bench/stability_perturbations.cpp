@@ -139,9 +139,9 @@ BenchSection measure_perturbations(const BenchOptions& options) {
   return section;
 }
 
-std::string stability_tables(const BenchOptions& options) {
-  return section_tables(options, "Stability", "stability",
-                        {{"operations", measure_operations}, {"perturbations", measure_perturbations}});
+BenchSection measure_stability(const BenchOptions& options) {
+  return run_sections(options, "Stability", "stability",
+                      {{"operations", measure_operations}, {"perturbations", measure_perturbations}});
 }
 
 }  // namespace recede::bench

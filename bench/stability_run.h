@@ -14,7 +14,7 @@ BenchSection measure_operations(const BenchOptions& options);
 BenchSection measure_perturbations(const BenchOptions& options);
 
 /// Runs both sections and writes stability.md and stability.jsonl, an object a line, into `options.out`.
-/// `options.systems` chooses sections, `options.models` shapes. Returns the text.
-std::string stability_tables(const BenchOptions& options);
+/// `options.systems` chooses sections, `options.models` shapes. Returns all together.
+BenchSection measure_stability(const BenchOptions& options);
 
 }  // namespace recede::bench

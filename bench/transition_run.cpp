@@ -1,4 +1,6 @@
 #include "appearance_run.h"
+#include "measurement.h"
+#include "plot_sheet.h"
 #include "transition_scene.h"
 #include <recede/render/image_difference.h>
 
@@ -7,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 namespace recede::bench {
 namespace {
@@ -310,6 +313,31 @@ std::string noise_table(const TransitionScene& scene, std::string& csv) {
          rows;
 }
 
+/// Pictures of more and more samples, from where some waves are smaller than a pixel.
+Plot sample_curve(const TransitionScene& scene, std::size_t repeats) {
+  constexpr double k_distance = 1.6;
+  constexpr int k_size = 240;
+  const Camera camera = camera_at(scene, k_distance, k_size);
+  const Image reference = reference_of(scene, camera);
+  const ImageMask inside = inside_of(reference);
+  Plot plot = log_plot(fmt::format("Torus of waves at distance {:g}, 1 to 32 samples", k_distance),
+                       "processor seconds", "RMSE inside");
+  for (const auto& [name, representation] : {std::pair("transitions", Representation::automatic),
+                                             std::pair("displacement", Representation::displacement)}) {
+    for (const int samples : {1, 2, 4, 8, 16, 32}) {
+      Image image;
+      std::vector<double> seconds;
+      for (std::size_t i = 0; i < repeats; ++i) {
+        const std::clock_t start = std::clock();  // of the processor, all threads together
+        image = draw(scene.scene, camera, {representation, samples});
+        seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+      }
+      add_point(plot, name, median(seconds), compare_images(image, reference, inside).rmse);
+    }
+  }
+  return plot;
+}
+
 }  // namespace
 
 AppearanceSection measure_transitions(const BenchOptions& options) {
@@ -323,10 +351,13 @@ AppearanceSection measure_transitions(const BenchOptions& options) {
       k_samples, k_reference_samples);
   section.markdown += method_table(scene, plain, options.repeats, section.csv) + "\n";
   section.markdown += distance_table(scene, options.repeats, section.csv) + "\n";
-  section.markdown += threshold_table(scene, options.repeats) + "\n";
-  section.markdown += light_table(scene, section.csv) + "\n";
-  section.markdown += way_table(scene, plain, section.csv) + "\n";
-  section.markdown += noise_table(scene, section.csv);
+  if (!options.quick) {
+    section.markdown += threshold_table(scene, options.repeats) + "\n";
+    section.markdown += light_table(scene, section.csv) + "\n";
+    section.markdown += way_table(scene, plain, section.csv) + "\n";
+    section.markdown += noise_table(scene, section.csv);
+  }
+  section.curves.push_back(sample_curve(scene, options.repeats));
   return section;
 }
 

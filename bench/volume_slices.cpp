@@ -1,6 +1,7 @@
 // Volume textures drawn by slices through slabs and by rays.
 #include "child_process.h"
 #include "measurement.h"
+#include "plot_sheet.h"
 #include "shell_volumes.h"
 #include "slice_renderer.h"
 #include <recede/render/image_difference.h>
@@ -133,6 +134,12 @@ constexpr SliceRow k_slice_rows[] = {{"16 slices", 16, SliceRefinement::none},
                                      {"64 slices, coordinates blended", 64, SliceRefinement::coordinates},
                                      {"128 slices, coordinates blended", 128, SliceRefinement::coordinates}};
 
+const char* series_of(SliceRefinement refinement) {
+  return refinement == SliceRefinement::none      ? "slices"
+         : refinement == SliceRefinement::normals ? "normals blended"
+                                                  : "coordinates blended";
+}
+
 /// How a picture was drawn, its errors and its cost.
 void add_row(const std::string& experiment, const std::string& scene, const std::string& name,
              const SeenErrors& errors, double seconds, std::size_t fragments, BenchSection& section) {
@@ -188,20 +195,26 @@ void measure_volume_slices(const BenchOptions& options, BenchSection& section) {
     const std::vector<SeenVolume> reference = march(finest, camera);
     const std::vector<Slab> slabs = slabs_of(placed.textured, flat_square());
     constexpr double k_other_surface = 0.2;  // more than slices are apart
+    Plot plot = log_plot("A cluster of balls, " + scene, "processor seconds", "RMS of the picture");
+    const auto add = [&](const char* series, const char* name, const std::vector<SeenVolume>& seen,
+                         double seconds, std::size_t fragments) {
+      const SeenErrors errors = compare(seen, reference, camera, k_other_surface);
+      add_row("cluster", scene, name, errors, seconds, fragments, section);
+      add_point(plot, series, seconds, errors.image);
+    };
+    const Scene shown({}, std::span<const PlacedVolume>(&placed, 1));
+    std::vector<SeenVolume> seen;
+    const double ray_seconds = seconds_of(options, [&] { seen = trace_volumes(shown, camera); });
+    add("rays", "**rays**", seen, ray_seconds, 0);
     for (const SliceRow& row : k_slice_rows) {
       SlicePicture picture;
       const double seconds = seconds_of(options, [&] {
         picture = draw_slices(slabs, field_of(finest), slice_view(camera),
                               {.slices = row.slices, .refinement = row.refinement});
       });
-      add_row("cluster", scene, row.name, compare(seen_of(picture), reference, camera, k_other_surface),
-              seconds, picture.fragments, section);
+      add(series_of(row.refinement), row.name, seen_of(picture), seconds, picture.fragments);
     }
-    const Scene shown({}, std::span<const PlacedVolume>(&placed, 1));
-    std::vector<SeenVolume> seen;
-    const double seconds = seconds_of(options, [&] { seen = trace_volumes(shown, camera); });
-    add_row("cluster", scene, "**rays**", compare(seen, reference, camera, k_other_surface), seconds, 0,
-            section);
+    section.curves.push_back(plot);
   }
 }
 
