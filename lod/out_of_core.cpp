@@ -29,6 +29,10 @@ constexpr std::size_t k_piece_faces = 65536;
 
 std::size_t room(std::size_t memory) { return memory > k_process ? memory - k_process : 0; }
 
+void check_memory(std::size_t memory) {
+  if (memory < k_least_memory) throw OptionError("memory must be at least 256 MiB");
+}
+
 /// As many faces as level 0 may have beside levels of `faces` (decreasing), when there may be `most` in all.
 std::size_t finest_faces(std::size_t most, const std::vector<std::size_t>& faces) {
   if (faces.empty()) return static_cast<std::size_t>(static_cast<double>(most) / k_levels_by_error);
@@ -207,12 +211,15 @@ class OutOfCoreBuilder {
 }  // namespace
 
 bool needs_more_than(std::size_t memory, const std::filesystem::path& file) {
+  check_memory(memory);
   const std::size_t most = room(memory) / k_per_face_in_core;
   const std::optional<std::size_t> n_faces = faces_in_pieces(file);
   if (n_faces) return *n_faces > most;
   // Of other files only the size is known; a face takes no less than this in any.
   constexpr std::uintmax_t k_least_per_face = 16;
-  if (std::filesystem::file_size(file) / k_least_per_face <= most) return false;
+  std::error_code failed;  // `read_mesh` has better words for it
+  const std::uintmax_t bytes = std::filesystem::file_size(file, failed);
+  if (failed || bytes / k_least_per_face <= most) return false;
   throw InputError::in_file(
       file.string(),
       fmt::format("may have more than {} faces, as many as memory allows, and can't be read in "
@@ -224,7 +231,7 @@ OutOfCoreHierarchy build_hierarchy_out_of_core(const std::filesystem::path& file
                                                const HierarchyOptions& options,
                                                const OutOfCoreOptions& out_of_core, Progress* progress) {
   detail::check(options);
-  if (out_of_core.memory < k_least_memory) throw OptionError("memory must be at least 256 MiB");
+  check_memory(out_of_core.memory);
   if (options.simplify.cost != CostPolicy::volume)
     throw OptionError("meshes that don't fit in memory are simplified by the cost volume");
   return OutOfCoreBuilder(file, options, out_of_core, progress).build(name);

@@ -12,7 +12,8 @@ struct OutOfCoreOptions {
 };
 
 /// Whether `build_hierarchy` of a mesh file, and what follows it, may take more memory. Throws `InputError`
-/// for a file of which that may be so and that can't be read in pieces.
+/// for a file of which that may be so and that can't be read in pieces, and `OptionError` for less than 256
+/// MiB.
 bool needs_more_than(std::size_t memory, const std::filesystem::path& file);
 
 struct OutOfCoreHierarchy {

@@ -118,25 +118,17 @@ SpaceCells MiddleSample::cells(std::size_t most_faces, double share) const {
 ReducedSurface reduce_chunks(const ChunkFiles& input, std::size_t most_faces, double side,
                              const ChunkLimits& limits, const SimplifyOptions& options, Progress* progress) {
   ReducedSurface result;
+  const auto room = static_cast<std::size_t>(k_end_factor * static_cast<double>(most_faces));
   std::unique_ptr<ChunkFiles> own;
   const ChunkFiles* from = &input;
-  const auto room = static_cast<std::size_t>(k_end_factor * static_cast<double>(most_faces));
-  for (;;) {
-    const std::size_t before = from->n_faces();
+  for (std::size_t before = from->n_faces(); before > room; before = from->n_faces()) {
     const std::size_t goal =
         std::max(room, static_cast<std::size_t>(k_pass_share * static_cast<double>(before)));
     Pass pass(*from, goal, side, limits, options);
     pass.run(progress);
     ++result.passes;
-    if (pass.n_faces() <= room) {
-      pass.each_chunk([&](const PolygonSoup& soup) { append(result.soup, soup); });
-      SimplifyOptions to_end = options;
-      to_end.target = {.faces = most_faces};
-      to_end.prove_error = false;
-      result.soup = simplify(result.soup, to_end, progress).soup;
-      return result;
-    }
-    if (static_cast<double>(pass.n_faces()) > k_stuck_share * static_cast<double>(before)) {
+    if (pass.n_faces() > goal &&
+        static_cast<double>(pass.n_faces()) > k_stuck_share * static_cast<double>(before)) {
       throw InputError(fmt::format("can't be brought to {} faces, as many as memory allows: {} are left",
                                    most_faces, pass.n_faces()));
     }
@@ -150,6 +142,12 @@ ReducedSurface reduce_chunks(const ChunkFiles& input, std::size_t most_faces, do
     own = std::move(next);
     from = own.get();
   }
+  for (std::size_t i = 0; i < from->n_chunks(); ++i) append(result.soup, from->load(i).soup);
+  SimplifyOptions to_end = options;
+  to_end.target = {.faces = most_faces};
+  to_end.prove_error = false;
+  result.soup = simplify(result.soup, to_end, progress).soup;
+  return result;
 }
 
 }  // namespace recede::detail

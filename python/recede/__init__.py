@@ -312,7 +312,7 @@ def bake(surface: Mesh | CadModel | Path, folder: Path, *, name: str = "model", 
               **_map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = _simplify_options(options)
     if isinstance(surface, CadModel):
-        for option, value in {"faces": faces, "ratios": ratios, "maps": maps, **options}.items():
+        for option, value in {"faces": faces, "ratios": ratios, "maps": maps, "memory": memory, **options}.items():
             if value is not None and value != ():
                 raise OptionError(f"{option} is for meshes, not for CAD models")
         return _recede.bake_cad(surface, folder, name, levels, progress)

@@ -192,6 +192,16 @@ TEST(ReduceChunks, SeveralPassesAreAsGood) {
   expect_nearly_as_good(ball, reduced.soup);
 }
 
+TEST(ReduceChunks, WhatNearlyFitsIsReducedAsMuchAsNeeded) {
+  const TempFolder folder;
+  const PolygonSoup ball = make_displaced_sphere(5000, true);
+  for (const std::size_t most : {ball.n_faces(), 2 * ball.n_faces() / 3, 2 * ball.n_faces() / 3 - 20}) {
+    const detail::ReducedSurface reduced = reduce(folder, ball, most, 700);
+    EXPECT_LE(reduced.soup.n_faces(), most);
+    EXPECT_GE(reduced.soup.n_faces() + 2, most);
+  }
+}
+
 /// A square sheet that is flat on one half and rough on the other.
 PolygonSoup half_rough_sheet(int n) {
   std::mt19937 random(5);
