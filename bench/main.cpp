@@ -9,6 +9,7 @@
 #include "dicing_run.h"
 #include "displaced_run.h"
 #include "hard_case_run.h"
+#include "out_of_core_run.h"
 #include "progressive_run.h"
 #include "round_trips.h"
 #include "same_bytes.h"
@@ -27,6 +28,8 @@ std::vector<ReportSection> all_sections() {
        "Recede beside meshoptimizer, CGAL, OpenMesh and, where it is installed, VTK.",
        measure_simplification},
       {"growth", "Growth", "Recede and meshoptimizer over spheres of growing size.", measure_growth},
+      {"out-of-core", "Meshes larger than memory",
+       "Hierarchies baked in chunks beside those baked in memory.", measure_out_of_core},
       {"progressive", "Progressive meshes",
        "Recede's progressive meshes beside OpenMesh's; also textures, charts and maps.", measure_progressive},
       {"dicing", "Diced views", "Surfaces diced for a view beside uniform dicing.", measure_dicing},
