@@ -151,8 +151,7 @@ BenchSection measure_out_of_core(const BenchOptions& options) {
       "Errors as factors of those in memory.\n\n| model | memory | peak | chunks | processor s | faces of "
       "level "
       "0 | of levels | RMS | bound |\n|---|---|---|---|---|---|---|---|---|\n";
-  Plot errors = log_plot("Error over size", "faces", "RMS, object units"),
-       peaks = log_plot("Memory", "MiB that are allowed", "MiB at the peak");
+  Plot peaks = log_plot("Memory", "MiB that are allowed", "MiB at the peak");
   for (const LargeModel& model : large_models(options)) {
     if (!is_wanted(model.name, options.models)) continue;
     // Where threads are started, and memory is left over.
@@ -166,26 +165,27 @@ BenchSection measure_out_of_core(const BenchOptions& options) {
     const BakedFile whole = bake_in_child([&] { return bake_whole(file); });
     section.markdown += fmt::format("| {} | all | {} | | {:.3g} | {} | | | |\n", model.name,
                                     mebibytes(whole.peak), whole.seconds, whole.levels.front().faces);
-    for (const BakedLevel& level : whole.levels) {
-      if (level.error.rms > 0)
-        add_point(errors, std::string(model.name) + ", whole", static_cast<double>(level.faces),
-                  level.error.rms);
-    }
+    Plot errors = log_plot(model.name, "faces", "RMS, object units");
+    const auto add_levels = [&](const std::string& series, const BakedFile& baked) {
+      for (const BakedLevel& level : baked.levels) {
+        if (level.error.rms > 0) add_point(errors, series, static_cast<double>(level.faces), level.error.rms);
+      }
+    };
+    add_levels("in memory", whole);
     for (const std::size_t allowed : model.mebibytes) {
       const std::size_t memory = allowed << 20;
       const BakedFile chunks = bake_in_child([&] { return bake_chunks(file, memory); });
       add_rows(model, whole, memory, chunks, section);
       add_point(peaks, model.name, static_cast<double>(allowed), static_cast<double>(chunks.peak >> 20));
-      for (const BakedLevel& level : chunks.levels)
-        add_point(errors, fmt::format("{}, {}", model.name, mebibytes(memory)),
-                  static_cast<double>(level.faces), level.error.rms);
+      add_levels(mebibytes(memory), chunks);
     }
+    section.curves.push_back(errors);
   }
   std::filesystem::remove(file);
   std::string lines;
   for (const nlohmann::json& row : section.rows) lines += row.dump() + '\n';
   write_file_atomically(options.out / "out-of-core.jsonl", lines);
-  section.curves = {errors, peaks};
+  section.curves.push_back(peaks);
   return section;
 }
 
