@@ -1,5 +1,7 @@
 #include "cad_bake.h"
 #include "drawn_levels.h"
+#include "level_info.h"
+#include "size_option.h"
 #include <recede/geometry/error.h>
 #include <recede/lod/out_of_core.h>
 #include <recede/render/far_level.h>
@@ -129,9 +131,10 @@ void print_maps(const LodHierarchy& hierarchy) {
     if (!level.maps) continue;
     const MapReport& report = level.maps->report;
     const auto& accuracy = level.map_accuracy;
-    fmt::print("{:5} {:>15} {:>16} {:17.3g} {:15}  {}\n", i,
+    fmt::print("{:5} {:>15} {:>16} {:>17} {:15}  {}\n", i,
                accuracy ? fmt::format("{:.3g}", accuracy->rms) : "-",
-               accuracy ? fmt::format("{:.3g}", accuracy->max) : "-", report.seam_difference, report.missed,
+               accuracy ? fmt::format("{:.3g}", accuracy->max) : "-",
+               accuracy ? fmt::format("{:.3g}", report.seam_difference) : "-", report.missed,
                report.atlas_reason.empty() ? "the input's" : "new: " + report.atlas_reason);
   }
 }
@@ -153,8 +156,9 @@ void print_text(const LodHierarchy& hierarchy, const std::vector<FarLevelTrial>&
     fmt::print(
         "Bounds are certified, but not those of billboards: the larger of the greatest distance found "
         "and the cloud's error.\n");
+  print_lengths(hierarchy.view, "object units");
   print_maps(hierarchy);
-  if (!trials.empty()) fmt::print("far away\nfrom distance   what serves there\n");
+  if (!trials.empty()) fmt::print("triangles or billboards\nfrom distance   which are better there\n");
   for (const FarLevelTrial& trial : trials) fmt::print("{:13.4g}   {}\n", trial.distance, trial.reason);
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
   if (report) fmt::print("report     {}\n", report->html.string());
@@ -381,11 +385,11 @@ void add_bake_command(CLI::App& app) {
       ->group(maps);
   add_simplify_options(*command, hierarchy.simplify, options->feature_angle);
   command
-      ->add_option(
-          "--memory", options->memory,
-          "what the process may take, such as 8G; a larger mesh (binary PLY or STL) is baked in chunks: "
-          "level 0 then has as many faces as fit")
-      ->transform(CLI::AsSizeValue(false).description(""))
+      ->add_option("--memory", options->memory,
+                   "what the process may take, such as 8G, at least 256M; without a letter bytes. A larger "
+                   "mesh (binary PLY or STL) is baked in chunks: "
+                   "level 0 then has as many faces as fit")
+      ->transform(size_in_bytes())
       ->option_text("SIZE");
   add_seam_options(*command, options->seams, "CAD files");
   command->add_flag("--no-billboards", options->no_billboards,

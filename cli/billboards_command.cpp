@@ -1,5 +1,6 @@
 #include "common.h"
 #include "drawn_levels.h"
+#include "size_option.h"
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
@@ -367,7 +368,7 @@ void add_billboards_command(CLI::App& app) {
       ->add_option(
           "--most-bytes", options->most_bytes,
           "bytes of textures: the cloud of least error that fits, instead of --errors; such as 256kb")
-      ->transform(CLI::AsSizeValue(false).description(""))
+      ->transform(size_in_bytes())
       ->option_text("BYTES")
       ->group(textures)
       ->excludes(absolute)

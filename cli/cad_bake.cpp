@@ -1,5 +1,6 @@
 #include "cad_bake.h"
 
+#include "level_info.h"
 #include <recede/render/report.h>
 
 #include <chrono>
@@ -34,6 +35,7 @@ void print_text(const CadHierarchy& cad, const HierarchyFiles& files,
                100 * level.error.max / cad.diagonal, level.error.rms, level.error.bound,
                100 * level.error.bound / cad.diagonal, level.switch_distance);
   }
+  print_lengths(cad.hierarchy.view, "millimetres");
   std::size_t of_file = 0, by_position = 0, free = 0, gaps = 0;
   for (const CadSeamReport& part : cad.parts) {
     of_file += part.seams.edges_of_file;

@@ -94,6 +94,10 @@ void check_output_file(const std::string& file, const std::vector<std::string>& 
 
 namespace {
 
+bool is_built_in_name(const std::string& input) {
+  return input == "teapot" || input == "sphere" || input == "tree";
+}
+
 std::optional<PolygonSoup> built_in_model(const std::string& input) {
   if (fs::exists(input)) return {};
   constexpr std::size_t k_sphere_faces = 250'000;
@@ -104,6 +108,13 @@ std::optional<PolygonSoup> built_in_model(const std::string& input) {
 }
 
 }  // namespace
+
+void remark_hidden_model(const std::string& input, const CommonOptions& options) {
+  if (!is_built_in_name(input) || !fs::exists(input)) return;
+  print_remark(fmt::format("takes {} that is there, and not the built-in model of this name",
+                           fs::is_directory(input) ? "the folder " + input : "the file " + input),
+               options);
+}
 
 Model read_model(const std::string& input, Progress* progress) {
   if (std::optional<PolygonSoup> soup = built_in_model(input))

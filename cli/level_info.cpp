@@ -67,6 +67,13 @@ void print_hierarchy_text(const LodHierarchy& hierarchy, const fs::path& folder,
 
 }  // namespace
 
+void print_lengths(const ViewSettings& view, const char* unit) {
+  fmt::print(
+      "Errors and distances are {}; distances count from the bounding sphere, for pictures {:g} pixels high, "
+      "{:.4g} degrees, pixel error {:g}.\n",
+      unit, view.image_height, view.field_of_view * 180 / std::numbers::pi, view.pixel_error);
+}
+
 void print_hierarchy_info(const std::string& input, const fs::path& folder, const CommonOptions& common) {
   const LodHierarchy hierarchy = read_hierarchy(folder);
   Box3 box;

@@ -67,7 +67,12 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   if (!unknown.empty()) return fmt::format("unknown command or option {}", unknown.front());
   if (!has_command) return "a command is missing; `recede --help` lists them";
   const CLI::App& command = *app.get_subcommands().front();
-  if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError)) return error.what();
+  const std::string text = error.what(), conversion = "Could not convert: ";
+  if (const auto equals = text.find(" = "); text.starts_with(conversion) && equals != text.npos) {
+    return fmt::format("{}: {} isn't a number", text.substr(conversion.size(), equals - conversion.size()),
+                       text.substr(equals + 3));
+  }
+  if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError)) return text;
   const std::string first = command.remaining().front();
   if (!first.starts_with('-')) return fmt::format("{}: one argument too many: {}", command.get_name(), first);
   const std::string meant = most_similar_option(command, first);

@@ -73,6 +73,7 @@ void run_render(const RenderCommandOptions& options) {
   if (!options.mask.empty()) check_image_path(options.mask);
   const auto start = std::chrono::steady_clock::now();
   TerminalProgress progress(options.common.quiet);
+  remark_hidden_model(options.input, options.common);
   Drawn drawn(options, &progress);
   const Camera camera =
       camera_of(options.view, options.input, drawn.finest().positions, options.width, options.height);
@@ -109,6 +110,7 @@ void run_turntable(const RenderCommandOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   check_output_folder(options.output);
   TerminalProgress progress(options.common.quiet);
+  remark_hidden_model(options.input, options.common);
   Drawn drawn(options, &progress);
   const Camera first =
       camera_of(options.view, options.input, drawn.finest().positions, options.width, options.height);

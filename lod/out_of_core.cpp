@@ -29,8 +29,9 @@ constexpr std::size_t k_piece_faces = 65536;
 
 std::size_t room(std::size_t memory) { return memory > k_process ? memory - k_process : 0; }
 
-void check_memory(std::size_t memory) {
-  if (memory < k_least_memory) throw OptionError("memory must be at least 256 MiB");
+void check_memory(std::size_t bytes) {
+  if (bytes < k_least_memory)
+    throw OptionError(fmt::format("memory must be at least 256 MiB, not {} bytes", bytes));
 }
 
 /// As many faces as level 0 may have beside levels of `faces` (decreasing), when there may be `most` in all.

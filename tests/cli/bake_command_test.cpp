@@ -85,7 +85,11 @@ TEST(BakeCommand, SaysInTextWhatServesFarAway) {
   const TempFolder folder;
   const std::string text =
       run_recede({"bake", write_sphere(folder, 500), "-o", folder / "out", "--no-report"}).output;
-  EXPECT_THAT(text, testing::ContainsRegex("from distance   what serves there\n *[0-9.]+   triangles: "));
+  EXPECT_THAT(text,
+              testing::ContainsRegex("from distance   which are better there\n *[0-9.]+   triangles: "));
+  EXPECT_THAT(text,
+              HasSubstr("Errors and distances are object units; distances count from the bounding sphere, "
+                        "for pictures 1080 pixels high, 45 degrees, pixel error 1.\n"));
 }
 
 TEST(BakeCommand, KeepsTheCertifiedBoundsThatErrorsAskFor) {
@@ -326,6 +330,12 @@ TEST(BakeCommand, BakesInChunksWhatIsLargerThanMemory) {
   EXPECT_EQ(fits.at("levels")[0].at("error").at("bound"), 0);
 }
 
+TEST(BakeCommand, RefusesWhatIsNoNumber) {
+  const TempFolder folder;
+  EXPECT_EQ(complaint_of(run_recede({"bake", "sphere", "-o", folder / "out", "--ratios", "50%"}), 2),
+            "recede: --ratios: 50% isn't a number");
+}
+
 TEST(BakeCommand, SaysWhatMemoryCantDo) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 300'000);
@@ -336,7 +346,11 @@ TEST(BakeCommand, SaysWhatMemoryCantDo) {
     return text;
   };
   EXPECT_THAT(complaint({"--memory", "10M"}, 2), HasSubstr("memory must be at least 256 MiB"));
-  EXPECT_THAT(complaint({"--memory", "much"}, 2), HasSubstr("--memory"));
+  EXPECT_THAT(complaint({"--memory", "500"}, 2), HasSubstr("at least 256 MiB, not 500 bytes"));
+  for (const std::string size : {"much", "0.5G", "-5G", "500X"}) {
+    EXPECT_THAT(complaint({"--memory=" + size}, 2),
+                HasSubstr("--memory: " + size + " isn't a size such as 500M or 8G"));
+  }
   EXPECT_THAT(complaint({"--memory", "256M", "--ratios", "0.9"}, 2), HasSubstr("no level is to have fewer"));
   EXPECT_THAT(complaint({"--memory", "256M", "--feature-angle", "30"}, 2), HasSubstr("--feature-angle"));
   // Text can't be read in pieces.

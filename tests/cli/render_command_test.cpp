@@ -33,6 +33,20 @@ std::pair<unsigned, unsigned> size_of(const std::filesystem::path& path) {
   return {number(16), number(20)};
 }
 
+TEST(RenderCommand, SaysThatAFolderHidesABuiltInModel) {
+  const TempFolder folder;
+  const std::string input = folder / "sphere.ply";
+  write_sphere(folder, 500);
+  json_of(run_recede({"bake", input, "-o", folder / "teapot", "--no-report", "--no-billboards", "--json"}));
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const CommandResult run = run_recede({"render", "teapot", "-o", "picture.png", "--samples", "1"});
+  std::filesystem::current_path(before);
+  EXPECT_EQ(run.code, 0);
+  EXPECT_EQ(run.remarks,
+            "recede: takes the folder teapot that is there, and not the built-in model of this name\n");
+}
+
 TEST(RenderCommand, FindsTheHierarchyInTheFolderThatBakeWrote) {
   const TempFolder folder;
   const std::string hierarchy = bake_sphere(folder), around = folder / "out";

@@ -359,7 +359,7 @@ TEST(OutOfCore, SaysWhatCantBe) {
       build_hierarchy_out_of_core(folder / name, "ball", options, {memory, folder.path()});
     });
   };
-  EXPECT_EQ(complaint("ball.ply", by_ratios({0.5}), 1000), "memory must be at least 256 MiB");
+  EXPECT_EQ(complaint("ball.ply", by_ratios({0.5}), 1000), "memory must be at least 256 MiB, not 1000 bytes");
   EXPECT_THAT(complaint("ball.obj", by_ratios({0.5}), k_least_memory),
               testing::HasSubstr("ball.obj: can't be read in pieces; binary PLY and binary STL can"));
   HierarchyOptions other = by_ratios({0.5});
