@@ -92,7 +92,7 @@ int main(int argc, char** argv) try {
     creases.push_back({control.face(0)[v], control.face(0)[(v + 1) % 4], 10});
 
   recede::SubdivisionOptions options;
-  options.tolerance = 0.005;  // units of the control mesh
+  options.error = 0.005;  // units of the control mesh
   options.creases = creases;
   const recede::SubdivisionResult base = recede::subdivide(control, options);
   std::cout << control.n_faces() << " faces became " << base.soup.n_faces() << " at level " << base.level
@@ -102,7 +102,7 @@ int main(int argc, char** argv) try {
   std::cout << quilted.small_triangles() << " small triangles for rays, none of them stored\n";
 
   recede::SubdivisionOptions fine = options;
-  fine.tolerance = 0.0005;
+  fine.error = 0.0005;
   recede::write_png(
       argv[1], recede::side_by_side(std::array{
                    picture_of(control, control, {0.75, 0.75, 0.75, 1}, true),
