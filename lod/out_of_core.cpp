@@ -91,6 +91,7 @@ class OutOfCoreBuilder {
     const detail::ChunkFiles chunks = cut(look);
     result_.chunks = chunks.n_chunks();
     const PolygonMesh finest = reduce(chunks, look.box.sizes().maxCoeff());
+    if (finest.n_faces() == 0) throw InputError::in_file(file_.string(), "holds no faces after repair");
     set_levels(finest, chunks, look.sample.points());
     result_.hierarchy = build_hierarchy(finest, name, options_, progress_);
     // It may fit after all, where the levels are few and small.
@@ -161,7 +162,8 @@ class OutOfCoreBuilder {
     }
     if (options_.errors.empty()) {
       if (options_.faces.empty())
-        throw OptionError(fmt::format("level 0 has {} faces, and no level is to have fewer", finest.n_faces()));
+        throw OptionError(
+            fmt::format("no level is to have fewer faces than level 0, which has {}", finest.n_faces()));
       return;
     }
     // Its own error, and then that to it, are no more together than what is permitted.

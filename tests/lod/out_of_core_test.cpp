@@ -433,6 +433,11 @@ TEST(OutOfCore, SaysWhatCantBe) {
   EXPECT_THAT(complaint("ball.ply", large, k_least_memory), testing::HasSubstr("no level is to have fewer"));
   large.faces = {1'000'000};
   EXPECT_THAT(complaint("ball.ply", large, k_least_memory), testing::HasSubstr("no level is to have fewer"));
+  PolygonSoup point = test::two_triangles();
+  point.positions.assign(4, Vec3(1, 2, 3));
+  write_soup(folder / "point.ply", point);
+  EXPECT_THAT(complaint("point.ply", by_ratios({0.5}), k_least_memory),
+              testing::HasSubstr("point.ply: holds no faces after repair"));
   EXPECT_THAT(test::error_text([&] { needs_more_than(k_least_memory, folder / "missing.obj"); }),
               testing::HasSubstr("missing.obj: No such file"));
 }
