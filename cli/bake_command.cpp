@@ -232,11 +232,14 @@ OutOfCoreHierarchy build_out_of_core(const BakeOptions& options, Progress* progr
 }
 
 void print_out_of_core(const OutOfCoreHierarchy& built, const BakeOptions& options) {
-  print_remark(
-      fmt::format("{} has {} faces, more than --memory allows; level 0 has {}, and all errors are those "
-                  "to the file",
-                  options.input, built.hierarchy.source_faces, built.hierarchy.levels.front().mesh.n_faces()),
-      options.common);
+  if (built.hierarchy.source_faces > 0) {
+    print_remark(
+        fmt::format("{} has {} faces, more than --memory allows; level 0 has {}, and all errors are those "
+                    "to the file",
+                    options.input, built.hierarchy.source_faces,
+                    built.hierarchy.levels.front().mesh.n_faces()),
+        options.common);
+  }
   if (!built.left_out.empty()) {
     print_remark(
         fmt::format("left out, as they would be finer than level 0: {}", fmt::join(built.left_out, ", ")),
@@ -289,7 +292,7 @@ void run(BakeOptions options) {
   progress.clear();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   print_repairs(built.repairs, options.common);
-  if (hierarchy.source_faces > 0) print_out_of_core(built, options);
+  print_out_of_core(built, options);
   if (hierarchy_options.maps && hierarchy_options.maps->color && hierarchy.levels.back().maps &&
       hierarchy.levels.back().maps->color.samples.empty()) {
     print_remark(options.input + " has no colours to bake", options.common);

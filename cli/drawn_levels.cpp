@@ -212,10 +212,13 @@ bool Drawn::has_heights(std::size_t level) const {
   return heights_ || (maps && !maps->displacement.samples.empty());
 }
 
+/// With false colours of the surface's own.
+bool Drawn::is_painted() const {
+  return options_.false_color != FalseColor::none && options_.false_color != FalseColor::samples;
+}
+
 bool Drawn::draws_texture(std::size_t level) const {
-  const bool is_painted =
-      options_.false_color != FalseColor::none && options_.false_color != FalseColor::samples;
-  return shells_[level] && !options_.no_maps && !is_painted;
+  return shells_[level] && !options_.no_maps && !is_painted();
 }
 
 Displacement Drawn::method_of(std::size_t level) const {
@@ -271,9 +274,7 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
     paint(maps.surface, level);
     return Scene(maps, displacement, shading);
   }
-  const bool is_painted =
-      options_.false_color != FalseColor::none && options_.false_color != FalseColor::samples;
-  if (drawn.billboards && !options_.no_maps && !is_painted)
+  if (drawn.billboards && !options_.no_maps && !is_painted())
     return options_.reflectance ? make_reflecting(level) : Scene(drawn, shading);
   PolygonSoup soup;
   const bool is_displaced = method == Displacement::tessellated;

@@ -70,6 +70,7 @@ class Drawn {
   void read_input(Progress* progress);
   void check_options() const;
   bool has_heights(std::size_t level) const;
+  bool is_painted() const;
   bool draws_texture(std::size_t level) const;
   PolygonSoup base_of_map(std::size_t level) const;
   std::shared_ptr<const Appearance> appearance_of(std::size_t level, Progress* progress);

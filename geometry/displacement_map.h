@@ -151,10 +151,9 @@ class HeightBounds {
   /// The range of heights over a node.
   HeightRange node(int level, int x, int y) const { return heights(samples_of_node(level, x, y)); }
 
-  /// The range over a rectangle of cells, first and last included, or of texels with all cells that they are
-  /// a corner of. Exact. `quick` looks at four nodes at most and gives a range that holds the exact one.
+  /// The range over a rectangle of cells, first and last included. Exact. `quick` looks at four nodes at most
+  /// and gives a range that holds the exact one.
   HeightRange of_cells(int x0, int y0, int x1, int y1) const;
-  HeightRange of_texels(int x0, int y0, int x1, int y1) const { return of_cells(x0, y0, x1 + 1, y1 + 1); }
   HeightRange quick(int x0, int y0, int x1, int y1) const;
 
   /// Holds all that `height_at` gives for texture coordinates between the two corners (those outside the unit

@@ -433,7 +433,6 @@ void GltfBuilder::add_child(int parent, int node) {
 std::string GltfBuilder::to_gltf() const { return Impl::dump(impl_->complete_document(true)) + '\n'; }
 
 std::string GltfBuilder::to_glb() const {
-  constexpr std::uint32_t k_json_chunk = 0x4e4f534a, k_binary_chunk = 0x004e4942;
   const auto padded = [](std::size_t size) { return (size + 3) / 4 * 4; };
   std::string text = Impl::dump(impl_->complete_document(false));
   text.resize(padded(text.size()), ' ');
@@ -452,11 +451,11 @@ std::string GltfBuilder::to_glb() const {
   put(2);
   put(size);
   put(text.size());
-  put(k_json_chunk);
+  put(detail::k_json_chunk);
   result += text;
   if (n_binary > 0) {
     put(n_binary);
-    put(k_binary_chunk);
+    put(detail::k_binary_chunk);
     result += impl_->buffer;
     result.resize(size, '\0');
   }

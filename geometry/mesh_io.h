@@ -15,14 +15,16 @@ namespace recede {
 /// corners. Throws `InputError` with line or byte.
 PolygonSoup read_soup(const std::filesystem::path& path, Progress* progress = nullptr);
 
-/// Files that are larger than memory, a piece at a time: binary PLY (vertices first, then faces, no feature
-/// edges) and binary STL. How many faces there will be; nothing for other files, of which `read_soup` makes
-/// one piece. Throws `InputError`.
+/// Files that are larger than memory are read a piece at a time: binary PLY and binary STL. How many faces
+/// there will be, as the header promises; nothing for other files, which only `read_soup` reads. Throws
+/// `InputError`.
 std::optional<std::size_t> faces_in_pieces(const std::filesystem::path& path);
 
 /// Calls `take` with the file's faces in turn, `most_faces` or fewer at once over the vertices that they use,
 /// as `read_soup` gives them; vertices without faces aren't met. Memory is needed for a piece, not for the
-/// file, which must not change meanwhile. Throws `InputError`, also for files that can't be read like this.
+/// file, which must not change meanwhile. Throws `OptionError` for pieces without faces, `InputError` also
+/// for files that can't be read like this: those of which `faces_in_pieces` says nothing, and PLY in which
+/// anything stands before the vertices or between them and the faces, or with feature edges.
 void read_soup_in_pieces(const std::filesystem::path& path, std::size_t most_faces,
                          const std::function<void(PolygonSoup)>& take, Progress* progress = nullptr);
 

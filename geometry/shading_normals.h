@@ -7,6 +7,9 @@
 
 namespace recede {
 
+/// Up to which edges are smooth where nothing else is said: in pictures, and in normals for maps. 40 degrees.
+inline constexpr double k_crease_angle = 0.698131700797732;
+
 /// A unit normal for every corner of the soup: the mean, weighted by corner angles, of the normals of those
 /// faces that can be reached around the vertex across edges with two consistently oriented faces whose
 /// normals differ by at most `crease_angle` (radians). (0,0,0) where these faces have no area.

@@ -5,11 +5,6 @@
 namespace recede::detail {
 namespace {
 
-/// Width of the proved interval relative to its upper end.
-constexpr double k_tolerance = 0.05;
-/// Errors below this share of the diagonal are rounding, and count as none.
-constexpr double k_rounding = 1e-12;
-
 using Clock = std::chrono::steady_clock;
 
 }  // namespace
@@ -25,7 +20,7 @@ MeshDistance ErrorProof::measure(const PolygonSoup& simplified, std::optional<do
   if (!meter_) meter_.emplace(input_);
   // The vertices are samples enough to start from; what lies between them is bounded.
   MeshDistance distance =
-      meter_->to(simplified, {.samples = 0, .bound_tolerance = k_tolerance, .limit = limit}, progress);
+      meter_->to(simplified, {.samples = 0, .bound_tolerance = k_proof_tolerance, .limit = limit}, progress);
   seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
   return distance;
 }
@@ -51,7 +46,7 @@ ProvedRun run_to_proved_error(Simplifier& simplifier, const Limits& limits,
   constexpr double k_many = 0.02;  // share of the faces beyond the limit that is too many to hold
   constexpr double k_raise = 1.5, k_lower = 0.5;
   const double scale = simplifier.table().scale;
-  const double limit = std::max(limits.error * scale, k_rounding * proof.diagonal());
+  const double limit = std::max(limits.error * scale, k_proof_rounding * proof.diagonal());
   double estimate = limit;
   ProvedRun result;
   Simplifier::State best = simplifier.state();

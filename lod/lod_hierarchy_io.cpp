@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
-#include <numbers>
 
 namespace recede {
 
@@ -141,7 +140,6 @@ PolygonSoup surface_without_maps(const LodHierarchy& hierarchy, const LodLevel& 
   const bool have_others = std::any_of(hierarchy.levels.begin(), hierarchy.levels.end(),
                                        [](const LodLevel& other) { return other.maps.has_value(); });
   if (!have_others || !soup.corner_normals.empty()) return soup;
-  constexpr double k_crease_angle = 40 * std::numbers::pi / 180;
   soup.corner_normals = shading_normals(soup, k_crease_angle);
   return soup;
 }

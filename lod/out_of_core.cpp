@@ -96,6 +96,7 @@ class OutOfCoreBuilder {
     const detail::ChunkFiles chunks = cut(look);
     result_.chunks = chunks.n_chunks();
     const PolygonMesh finest = reduce(chunks, look.box.sizes().maxCoeff());
+    if (finest.n_faces() == 0) throw InputError::in_file(file_.string(), "holds no faces after repair");
     set_levels(finest, chunks, look.sample.points());
     result_.hierarchy = build_hierarchy(finest, name, options_, progress_);
     // It may fit after all, where the levels are few and small.
@@ -164,7 +165,12 @@ class OutOfCoreBuilder {
         result_.left_out.push_back(static_cast<double>(options_.faces.front()));
       options_.faces.erase(options_.faces.begin());
     }
-    if (options_.errors.empty()) return;
+    if (options_.errors.empty()) {
+      if (options_.faces.empty())
+        throw OptionError(
+            fmt::format("no level is to have fewer faces than level 0, which has {}", finest.n_faces()));
+      return;
+    }
     // Its own error, and then that to it, are no more together than what is permitted.
     finest_bound_ = measure({to_soup(finest)}, chunks, points).front().bound;
     while (!options_.errors.empty() && options_.errors.front() <= finest_bound_) {
@@ -218,9 +224,10 @@ bool needs_more_than(std::size_t memory, const std::filesystem::path& file) {
   if (n_faces) return *n_faces > most;
   // Of other files only the size is known; a face takes no less than this in any.
   constexpr std::uintmax_t k_least_per_face = 16;
-  std::error_code failed;  // `read_mesh` has better words for it
-  const std::uintmax_t bytes = std::filesystem::file_size(file, failed);
-  if (failed || bytes / k_least_per_face <= most) return false;
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) throw InputError::in_file(file.string(), error.message());
+  if (bytes / k_least_per_face <= most) return false;
   throw InputError::in_file(
       file.string(),
       fmt::format("may have more than {} faces, as many as memory allows, and can't be read in "

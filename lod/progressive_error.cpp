@@ -16,10 +16,6 @@
 namespace recede::detail {
 namespace {
 
-/// Width of a proved interval relative to its upper end.
-constexpr double k_tolerance = 0.05;
-/// Errors below this share of the extent are rounding, and count as none.
-constexpr double k_rounding = 1e-12;
 /// Splits whose new faces are measured together: few at first, as what is no farther than the error so far
 /// takes hardly any time.
 constexpr std::size_t k_first_block = 256, k_largest_block = 8192;
@@ -74,7 +70,7 @@ ErrorProver::ErrorProver(ProgressiveMesh& mesh, const SplitRows<Index>& touched)
   center_ = 0.5 * box.min() + 0.5 * box.max();
   const double largest = (0.5 * box.max() - 0.5 * box.min()).maxCoeff();
   if (largest > 0) exponent_ = -std::ilogb(largest);
-  floor_ = k_rounding * (largest > 0 ? std::ldexp(largest, exponent_) : 1);
+  floor_ = k_proof_rounding * (largest > 0 ? std::ldexp(largest, exponent_) : 1);
 }
 
 /// The triangles of a face as `triangulate` cuts it.
@@ -255,7 +251,7 @@ double ErrorProver::measure_block(const std::vector<FaceTriangle>& made, std::ve
     }
   });
   // So that what is no farther than the bound so far is settled at once.
-  const BoundGoal goal{largest * (1 - k_tolerance), k_tolerance, floor_};
+  const BoundGoal goal{largest * (1 - k_proof_tolerance), k_proof_tolerance, floor_};
   const std::vector<Interval> intervals = certified_intervals(surface, *fine_, nearest, goal);
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     of_split[splits[i]] = std::max(of_split[splits[i]], intervals[i].upper);

@@ -74,7 +74,9 @@ class Pass {
     materials_ = chunk.soup.materials;
     const std::vector<Rung> rungs =
         make_ladder(std::move(chunk), k_rung_step, least_share_, side_, *options_, nullptr);
-    for (std::size_t i = 1; i < rungs.size(); ++i)
+    // The chunk itself needn't be there twice, unless faces were.
+    const std::size_t first = rungs.front().soup.n_faces() < from_.n_faces(number) ? 0 : 1;
+    for (std::size_t i = first; i < rungs.size(); ++i)
       stored.push_back({rungs[i].soup.n_faces(), rungs[i].cost, file_.append(to_bytes(rungs[i].soup))});
   }
 

@@ -26,7 +26,12 @@ Index SpaceCells::add(std::vector<Vec3>::iterator first, std::vector<Vec3>::iter
                                          static_cast<std::ptrdiff_t>(n) - 1);
   std::nth_element(first, middle, last, [&](const Vec3& p, const Vec3& q) { return p[axis] < q[axis]; });
   double at = (*middle)[axis];
-  if (at == box.min()[axis]) at = box.max()[axis];  // else nothing would be below
+  if (at == box.min()[axis]) {  // nothing would be below: the next place is the one
+    at = box.max()[axis];
+    for (auto p = first; p != last; ++p) {
+      if ((*p)[axis] > box.min()[axis]) at = std::min(at, (*p)[axis]);
+    }
+  }
   const auto edge = std::partition(first, last, [&](const Vec3& p) { return p[axis] < at; });
   Node node{static_cast<int>(axis), at};
   node.below = add(first, edge, most, share, depth + 1);

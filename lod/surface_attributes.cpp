@@ -5,7 +5,6 @@ namespace recede::detail {
 
 SurfaceAttributes::SurfaceAttributes(const PolygonSoup& soup)
     : soup_(soup), triangles_(triangulate(soup, &faces_, &corners_)) {
-  constexpr double k_crease_angle = 0.698131700797732;  // 40 degrees, as in pictures
   normals_ = shading_normals(soup, k_crease_angle);
   for (std::size_t c = 0; c < soup.corner_normals.size(); ++c) {
     const Vec3 own = soup.corner_normals[c].stableNormalized();

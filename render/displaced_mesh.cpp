@@ -13,13 +13,12 @@
 namespace recede {
 
 using detail::DisplacedPatch;
+using detail::k_most_level;
 using detail::PatchArrays;
 using detail::PatchRayQuery;
 using detail::RayContext;
 
 namespace {
-
-constexpr int k_most_level = 14;  // that of the kernel
 
 /// Texels that the triangles cover, with those covered twice counted twice.
 double covered_texels(const PolygonSoup& base, const std::vector<Index>& corners,

@@ -161,7 +161,6 @@ class BrickGrid {
 
   /// Bricks are numbered along s, then t, then r.
   std::size_t n_bricks() const { return counts_[0] * counts_[1] * counts_[2]; }
-  const std::array<std::size_t, 3>& brick_counts() const { return counts_; }
   std::size_t number_of(const Brick& brick) const {
     const std::array<int, 3>& first = brick.box().first;
     return brick_number(first[0] / k_side, first[1] / k_side, first[2] / k_side);

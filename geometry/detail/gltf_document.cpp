@@ -14,9 +14,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::uint32_t k_glb_magic = 0x46546c67;     // "glTF"
-constexpr std::uint32_t k_json_chunk = 0x4e4f534a;    // "JSON"
-constexpr std::uint32_t k_binary_chunk = 0x004e4942;  // "BIN"
+constexpr std::uint32_t k_glb_magic = 0x46546c67;  // "glTF"
 
 // Extensions that may be required of a reader and change nothing in positions, triangles, normals and base
 // colours, or (quantization) are covered by reading every component type.

@@ -9,12 +9,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace recede::detail {
+
+/// Kinds of chunks in GLB files: "JSON" and "BIN".
+inline constexpr std::uint32_t k_json_chunk = 0x4e4f534a, k_binary_chunk = 0x004e4942;
 
 /// In the extras of a material that stands for none.
 inline constexpr const char* k_no_material = "no_material";

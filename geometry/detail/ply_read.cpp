@@ -1,6 +1,6 @@
 // PLY in all three encodings. Known properties of vertices, faces and edges are read whatever their types;
-// other single numbers of vertices
-// are named scalars, and the rest is skipped, which for lists means reading their counts.
+// other single numbers of vertices are named scalars, and the rest is skipped, which for lists means reading
+// their counts.
 #include <recede/geometry/detail/ply_header.h>
 #include <recede/geometry/detail/text_scanner.h>
 
@@ -355,7 +355,7 @@ class PlyBody {
     progress_.at(source_.offset());
     face_start_ = soup_.n_corners();
     for (std::size_t i = 0; i < lists.size(); ++i) read_face_property(face, element.properties[i], lists[i]);
-    pad_corner_lists();
+    pad_corner_lists(face);
   }
 
   void read_face_property(std::size_t face, const PlyProperty& property, FaceList list) {
@@ -399,7 +399,7 @@ class PlyBody {
   }
 
   // Lists may stand before the face's vertices, hence the check of their lengths at the face's end.
-  void pad_corner_lists() {
+  void pad_corner_lists(std::size_t face) {
     if (!corner_lists_) return;
     const std::size_t n = soup_.n_corners();
     const std::size_t before = face_start_;
@@ -407,8 +407,8 @@ class PlyBody {
       using Attribute = typename std::decay_t<decltype(corners)>::value_type;
       if (corners.size() == before) corners.resize(n, Attribute::Zero());
       if (corners.size() != n) {
-        source_.fail(fmt::format("face {} has {} corners, but {} corner values", soup_.n_faces() - 1,
-                                 n - before, corners.size() - before));
+        source_.fail(fmt::format("face {} has {} corners, but {} corner values", face, n - before,
+                                 corners.size() - before));
       }
     };
     if (!soup_.corner_uvs.empty()) pad(soup_.corner_uvs);

@@ -32,7 +32,7 @@ bool is_text(std::string_view content) {
   if (first == std::string::npos) return false;
   std::string word(content.substr(first, 5));
   for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return word == "solid" && content.find('\0') >= std::min<std::size_t>(content.size(), 512);
+  return word == "solid" && content.substr(0, 512).find('\0') == content.npos;
 }
 
 void add_facet(const InputFile& file, PolygonSoup& soup, std::size_t first_vertex) {

@@ -61,7 +61,7 @@ class AttributeChannels {
   void write_wedge(CornerTable& table, Index wedge, const double* values) const;
   void write_point(CornerTable& table, Index point, const double* values) const;
 
-  /// Numbers for each point in `rank_sums`: the squared double areas of the triangles around it, then for
+  /// Numbers for each point by `add_rank_sums`: the squared double areas of the triangles around it, then for
   /// each channel the value and the sum of gradients.
   std::size_t rank_stride() const { return 1 + 4 * size(); }
 

@@ -11,7 +11,8 @@ namespace recede::detail {
 /// The faces of one cell.
 struct Chunk {
   PolygonSoup soup;
-  std::vector<unsigned char> shared;  ///< by vertex: 1 where faces of other chunks have it, too
+  /// By vertex: 1 where faces of other chunks have it, too; also where it lies in another cell.
+  std::vector<unsigned char> shared;
 };
 
 /// Every face is in the chunk of the cell in which the mean of its corners lies.

@@ -9,6 +9,11 @@
 
 namespace recede::detail {
 
+/// Width of a proved interval relative to its upper end.
+inline constexpr double k_proof_tolerance = 0.05;
+/// Errors below this share of the model's size are rounding, and count as none.
+inline constexpr double k_proof_rounding = 1e-12;
+
 /// The two-sided distance between the input and a simplified surface lies in [lower, upper], object units.
 struct ErrorInterval {
   double lower = 0, upper = 0;

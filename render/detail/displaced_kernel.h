@@ -12,6 +12,9 @@ struct alignas(32) DisplacedVertex {
   float direction[4];  ///< unit length; likewise
 };
 
+/// Of patches: stacks of searches are as large as it needs.
+inline constexpr int k_most_level = 14;
+
 /// Two triangles (a, b, d) and (c, d, b) of the base, or one of them alone, as a square of 2^level by 2^level
 /// small ones each cut in two. The place (i, j) in it lies i steps from a towards b and j from a towards d.
 /// Places with i + j <= 2^level are those of the first triangle.

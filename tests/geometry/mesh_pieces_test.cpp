@@ -130,6 +130,14 @@ TEST(MeshPieces, DamagedFilesAreToldWithThePlace) {
   content.replace(body + 3 * sizeof nan, sizeof nan, reinterpret_cast<const char*>(&nan), sizeof nan);
   EXPECT_THAT(pieces_complaint(folder.write("nan.ply", content)),
               testing::HasSubstr("the position of vertex 1 isn't finite"));
+  const std::string values =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty char x\nproperty char y\n"
+      "property char z\nelement face 5\nproperty list uchar uchar vertex_indices\n"
+      "property list uchar char texcoord\nend_header\n" +
+      std::string("\0\0\0\1\0\0\0\1\0", 9);
+  const std::string whole("\3\0\1\2\6\0\0\1\0\0\1", 11), lacking("\3\0\1\2\4\0\0\1\0", 9);
+  EXPECT_THAT(pieces_complaint(folder.write("uvs.ply", values + whole + whole + whole + whole + lacking)),
+              testing::HasSubstr("face 4 has 3 corners, but 2 corner values"));
   write_soup(folder / "ball.stl", make_displaced_sphere(100, true));
   content = read_whole_file(folder / "ball.stl");
   const float none = std::numeric_limits<float>::infinity();

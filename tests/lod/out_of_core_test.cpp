@@ -51,6 +51,17 @@ TEST(SpaceCells, PointsAtOnePlaceStayTogether) {
   EXPECT_NE(cells.find({1, 2, 3}), cells.find({1, 2, 4}));
 }
 
+TEST(SpaceCells, ManyPointsAtOnePlaceDontKeepOthersTogether) {
+  std::vector<Vec3> points(1000, Vec3::Zero());
+  for (int i = 1; i <= 300; ++i) points.emplace_back(i, 0, 0);
+  const SpaceCells cells(points, 50, 0.5);
+  std::vector<std::size_t> counts(cells.size(), 0);
+  for (const Vec3& p : points) ++counts[cells.find(p)];
+  std::sort(counts.begin(), counts.end());
+  EXPECT_EQ(counts.back(), 1000u);
+  EXPECT_LE(counts[counts.size() - 2], 50u);
+}
+
 TEST(SpaceCells, PiecesOfATriangleCoverItEachInItsCell) {
   const SpaceCells cells(random_points(2000, 2), 100, 0.4);
   const std::vector<Vec3> corners = random_points(300, 3);
@@ -115,6 +126,12 @@ struct Chunked {
   ChunkFiles files;
 };
 
+double total_area(const PolygonSoup& soup) {
+  double area = 0;
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) area += vector_area(soup, f).norm();
+  return area;
+}
+
 TEST(ChunkFiles, HoldEveryFaceOnceAndKnowWhatTheyShare) {
   const TempFolder folder;
   const PolygonSoup ball = make_displaced_sphere(3000, false);
@@ -137,9 +154,7 @@ TEST(ChunkFiles, HoldEveryFaceOnceAndKnowWhatTheyShare) {
     area += chunked.files.area(i);
   }
   EXPECT_EQ(chunks_of.size(), ball.positions.size());
-  double expected = 0;
-  for (std::size_t f = 0; f < ball.n_faces(); ++f) expected += vector_area(ball, f).norm();
-  EXPECT_NEAR(area, expected, 1e-12 * expected);  // sums in another order
+  EXPECT_NEAR(area, total_area(ball), 1e-12 * area);  // sums in another order
   for (const detail::Chunk& chunk : chunks) {
     for (std::size_t v = 0; v < chunk.soup.positions.size(); ++v)
       EXPECT_EQ(chunk.shared[v] != 0, chunks_of[chunk.soup.positions[v]].size() > 1);
@@ -147,11 +162,11 @@ TEST(ChunkFiles, HoldEveryFaceOnceAndKnowWhatTheyShare) {
 }
 
 detail::ReducedSurface reduce(const TempFolder& folder, const PolygonSoup& soup, std::size_t most_faces,
-                              std::size_t chunk_faces) {
+                              std::size_t chunk_faces, const SimplifyOptions& options = {}) {
   const Chunked chunked(folder, soup, chunk_faces, 1000);
   detail::ReducedSurface result =
       detail::reduce_chunks(chunked.files, most_faces, bounding_box(soup).sizes().maxCoeff(),
-                            {folder.path(), chunk_faces, 1 << 20}, {}, nullptr);
+                            {folder.path(), chunk_faces, 1 << 20}, options, nullptr);
   merge_identical_vertices(result.soup);
   return result;
 }
@@ -199,6 +214,64 @@ TEST(ReduceChunks, WhatNearlyFitsIsReducedAsMuchAsNeeded) {
     const detail::ReducedSurface reduced = reduce(folder, ball, most, 700);
     EXPECT_LE(reduced.soup.n_faces(), most);
     EXPECT_GE(reduced.soup.n_faces() + 2, most);
+  }
+}
+
+/// Two rough strips, one close above the other, that meet at one end.
+PolygonSoup folded_strip(int n) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0, 1);
+  PolygonSoup strip;
+  const auto add_point = [&](int i, int y) {
+    strip.positions.emplace_back(std::abs(i), y, 0.1 * unit(random) + (i < 0 ? 0 : 0.05));
+  };
+  for (int i = -n; i <= n; ++i) {
+    for (int y = 0; y <= 10; ++y) add_point(i, y);
+  }
+  for (int i = 0; i < 2 * n; ++i) {
+    for (int y = 0; y < 10; ++y) {
+      const auto at = [&](int di, int dy) { return static_cast<Index>((i + di) * 11 + y + dy); };
+      strip.add_face(std::vector<Index>{at(0, 0), at(1, 0), at(1, 1)});
+      strip.add_face(std::vector<Index>{at(0, 0), at(1, 1), at(0, 1)});
+    }
+  }
+  return strip;
+}
+
+// In a chunk the strips are parts of their own; they aren't in the whole.
+TEST(ReduceChunks, PartsOfAChunkAreNeitherDroppedNorJoined) {
+  const TempFolder folder;
+  const PolygonSoup strip = folded_strip(300);
+  SimplifyOptions drop, join;
+  drop.drop_parts = true;
+  join.join_distance = 2;
+  for (const SimplifyOptions& options : {drop, join}) {
+    const PolygonSoup reduced = reduce(folder, strip, 1000, 1500, options).soup;
+    EXPECT_LE(reduced.n_faces(), 1000u);
+    // Without the roughness; a strip that is gone in one chunk of eight would be 6 %.
+    EXPECT_NEAR(total_area(reduced), 2 * 300 * 10, 0.02 * 2 * 300 * 10);
+  }
+}
+
+TEST(ReduceChunks, FacesThatOccurTwiceAreInNobodysWay) {
+  const TempFolder folder;
+  PolygonSoup twice = make_displaced_sphere(20000, true);
+  detail::append(twice, PolygonSoup(twice));
+  const PolygonSoup reduced = reduce(folder, twice, 3000, 2500).soup;
+  EXPECT_LE(reduced.n_faces(), 3000u);
+  for (const auto& [edge, count] : test::edge_counts(reduced)) EXPECT_EQ(count, 2);
+}
+
+TEST(ReduceChunks, UnitsDontMatter) {
+  const TempFolder folder;
+  const PolygonSoup ball = make_displaced_sphere(20000, true);
+  PolygonSoup expected = reduce(folder, ball, 3000, 2500).soup;
+  for (const int exponent : {-200, 200}) {  // the sixth power of which is no number
+    PolygonSoup scaled = ball;
+    for (Vec3& p : scaled.positions) p *= std::ldexp(1.0, exponent);
+    PolygonSoup reduced = reduce(folder, scaled, 3000, 2500).soup;
+    for (Vec3& p : reduced.positions) p *= std::ldexp(1.0, -exponent);
+    test::expect_equal(reduced, expected);
   }
 }
 
@@ -368,6 +441,15 @@ TEST(OutOfCore, SaysWhatCantBe) {
   HierarchyOptions large;
   large.faces = {100'000'000};
   EXPECT_THAT(complaint("ball.ply", large, k_least_memory), testing::HasSubstr("no level is to have fewer"));
+  large.faces = {1'000'000};
+  EXPECT_THAT(complaint("ball.ply", large, k_least_memory), testing::HasSubstr("no level is to have fewer"));
+  PolygonSoup point = test::two_triangles();
+  point.positions.assign(4, Vec3(1, 2, 3));
+  write_soup(folder / "point.ply", point);
+  EXPECT_THAT(complaint("point.ply", by_ratios({0.5}), k_least_memory),
+              testing::HasSubstr("point.ply: holds no faces after repair"));
+  EXPECT_THAT(test::error_text([&] { needs_more_than(k_least_memory, folder / "missing.obj"); }),
+              testing::HasSubstr("missing.obj: No such file"));
 }
 
 }  // namespace

@@ -7,8 +7,6 @@
 namespace recede::detail {
 namespace {
 
-constexpr int k_most_level = 14;
-
 // A point: position and texel column, then direction and texel row.
 using Place = Float8;
 constexpr int k_texel_x = 3, k_direction = 4, k_texel_y = 7;
