@@ -106,12 +106,9 @@ std::string growth_cell(const Row& row) {
 constexpr const char* k_rules =
     "Every system gets the same welded faces with positions rounded to single precision. Seconds are the "
     "median wall clock of the simplify call alone, without the proof of the error, in one thread but for "
-    "rows "
-    "with all threads. Errors are two-sided, from 200 000 samples on each surface and all vertices, as "
-    "shares "
-    "of the input's bounding box diagonal. Where a system didn't reach the target, the cell says what share "
-    "of "
-    "the faces it kept; its error can't be compared then.\n\n";
+    "rows with all threads. Errors are two-sided, from 200 000 samples on each surface and all vertices, as "
+    "shares of the input's bounding box diagonal. Where a system didn't reach the target, the cell says what "
+    "share of the faces it kept; its error can't be compared then.\n\n";
 
 constexpr const char* k_csv_header =
     "kind,model,goal,system,threads,status,remark,input_faces,input_vertices,target_count,faces,vertices,"

@@ -5,35 +5,24 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <charconv>
-#include <cstdint>
-#include <limits>
 #include <string>
 
 namespace recede::cli {
 
-/// Turns 500M, 8G, 256kb or 64KiB into bytes; a letter stands for 1024 of the one before.
+/// Turns 500M, 8G, 256kb or 64KiB into bytes; a letter stands for 1024 of the one before. What CLI11 says of
+/// other texts names its types and units.
 inline CLI::Validator size_in_bytes() {
-  const auto to_bytes = [](std::string& text) -> std::string {
-    const std::string complaint =
-        fmt::format("{} isn't a size such as 500M or 8G (whole numbers; without a letter bytes)", text);
-    std::uint64_t number = 0;
-    const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (parsed.ec != std::errc() || parsed.ptr == text.data()) return complaint;
-    std::string unit;
-    for (const char* at = parsed.ptr; at != text.data() + text.size(); ++at) {
-      if (*at != ' ') unit += static_cast<char>(std::tolower(static_cast<unsigned char>(*at)));
+  const auto to_bytes = [units = CLI::AsSizeValue(false)](std::string& text) -> std::string {
+    std::string bytes = text;
+    try {
+      const bool is_number = !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0;
+      if (is_number && units(bytes).empty()) {
+        text = bytes;
+        return "";
+      }
+    } catch (const CLI::ValidationError&) {
     }
-    std::size_t power = 0;
-    if (!unit.empty() && unit != "b") {
-      power = std::string("bkmgt").find(unit.front());
-      const std::string rest = unit.substr(1);
-      if (power == 0 || power == std::string::npos || !(rest.empty() || rest == "b" || rest == "ib"))
-        return complaint;
-    }
-    if (number > std::numeric_limits<std::uint64_t>::max() >> (10 * power)) return complaint;
-    text = std::to_string(number << (10 * power));
-    return "";
+    return fmt::format("{} isn't a size such as 500M or 8G (whole numbers; without a letter bytes)", text);
   };
   return CLI::Validator(to_bytes, "");
 }

@@ -51,22 +51,17 @@ void ChunkFiles::add_faces(const PolygonSoup& piece, std::span<const Index> face
   for (std::size_t f = 0; f < soup.n_faces(); ++f) chunk.area += vector_area(soup, f).norm();
   chunk.n_faces += faces.size();
   const std::size_t before = chunk.waiting.size();
-  const std::string bytes = to_bytes(soup);
-  put_list(chunk.waiting, std::vector<char>(bytes.begin(), bytes.end()));
+  put_list(chunk.waiting, to_bytes(soup));
   put_list(chunk.waiting, shared);
-  put_list(chunk.waiting, std::vector<Vec3>());
   waiting_ += chunk.waiting.size() - before;
 }
 
 void ChunkFiles::flush() {
   for (Stored& chunk : chunks_) {
-    if (!chunk.shared.empty()) {
-      const std::string nothing = to_bytes({});
-      put_list(chunk.waiting, std::vector<char>(nothing.begin(), nothing.end()));
-      put_list(chunk.waiting, std::vector<Index>());
-      put_list(chunk.waiting, chunk.shared);
-    }
-    if (!chunk.waiting.empty()) chunk.extents.push_back(file_.append(chunk.waiting));
+    if (chunk.waiting.empty() && chunk.shared.empty()) continue;
+    std::string bytes;
+    put_list(bytes, chunk.shared);
+    chunk.extents.push_back(file_.append(bytes + chunk.waiting));
     chunk.waiting = {};
     chunk.shared = {};
   }
@@ -88,24 +83,25 @@ Chunk ChunkFiles::load(std::size_t number) const {
   std::vector<Vec3> shared_places;
   for (const ScratchFile::Extent& extent : stored.extents) {
     const std::string content = file_.read(extent);
-    for (std::string_view bytes = content; !bytes.empty();) {
+    std::string_view bytes = content;
+    const std::vector<Vec3> places = take_list<Vec3>(bytes);
+    shared_places.insert(shared_places.end(), places.begin(), places.end());
+    while (!bytes.empty()) {
       const std::vector<char> soup = take_list<char>(bytes);
       const auto first = static_cast<Index>(chunk.soup.positions.size());
       append(chunk.soup, soup_from_bytes({soup.data(), soup.size()}));
       for (const Index v : take_list<Index>(bytes)) shared.push_back(first + v);
-      const std::vector<Vec3> places = take_list<Vec3>(bytes);
-      shared_places.insert(shared_places.end(), places.begin(), places.end());
     }
   }
   chunk.soup.materials = materials_;
   // All vertices at one place are shared when one of them is.
-  std::vector<Vec3> places = chunk.soup.positions;
-  const std::size_t n = places.size();
-  places.insert(places.end(), shared_places.begin(), shared_places.end());
-  const std::vector<Index> lowest = lowest_at_same_position(places);
-  std::vector<unsigned char> is_shared(places.size(), 0);
+  std::vector<Vec3> all = chunk.soup.positions;
+  const std::size_t n = all.size();
+  all.insert(all.end(), shared_places.begin(), shared_places.end());
+  const std::vector<Index> lowest = lowest_at_same_position(all);
+  std::vector<unsigned char> is_shared(all.size(), 0);
   for (const Index v : shared) is_shared[lowest[v]] = 1;
-  for (std::size_t i = n; i < places.size(); ++i) is_shared[lowest[i]] = 1;
+  for (std::size_t i = n; i < all.size(); ++i) is_shared[lowest[i]] = 1;
   for (std::size_t v = 0; v < n; ++v) chunk.shared.push_back(is_shared[lowest[v]]);
   return chunk;
 }

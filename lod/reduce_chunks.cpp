@@ -33,12 +33,15 @@ class Pass {
  public:
   Pass(const ChunkFiles& from, std::size_t goal, double side, const ChunkLimits& limits,
        const SimplifyOptions& options)
-      : from_(from), file_(limits.folder), taken_(from.n_chunks(), 0), n_faces_(from.n_faces()) {
+      : from_(from),
+        goal_(goal),
+        side_(side),
+        options_(options),
+        file_(limits.folder),
+        taken_(from.n_chunks(), 0),
+        n_faces_(from.n_faces()) {
     const double share = static_cast<double>(goal) / static_cast<double>(n_faces_);
     least_share_ = std::min(k_rung_step * k_rung_step, k_least_of_mean * share);
-    side_ = side;
-    options_ = &options;
-    goal_ = goal;
   }
 
   void run(Progress* progress) {
@@ -73,7 +76,7 @@ class Pass {
     if (chunk.soup.n_faces() == 0) return;
     materials_ = chunk.soup.materials;
     const std::vector<Rung> rungs =
-        make_ladder(std::move(chunk), k_rung_step, least_share_, side_, *options_, nullptr);
+        make_ladder(std::move(chunk), k_rung_step, least_share_, side_, options_, nullptr);
     // The chunk itself needn't be there twice, unless faces were.
     const std::size_t first = rungs.front().soup.n_faces() < from_.n_faces(number) ? 0 : 1;
     for (std::size_t i = first; i < rungs.size(); ++i)
@@ -96,13 +99,14 @@ class Pass {
   }
 
   const ChunkFiles& from_;
+  std::size_t goal_;
+  double side_, least_share_ = 0;
+  const SimplifyOptions& options_;
   ScratchFile file_;
   std::vector<std::vector<StoredRung>> ladders_;  // by chunk
   std::vector<std::size_t> taken_;                // by chunk: a rung
   std::vector<Material> materials_;
-  std::size_t n_faces_ = 0, goal_ = 0;
-  double least_share_ = 0, side_ = 0;
-  const SimplifyOptions* options_ = nullptr;
+  std::size_t n_faces_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <recede/lod/detail/scratch_file.h>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +12,11 @@
 namespace recede::detail {
 
 ScratchFile::ScratchFile(const std::filesystem::path& folder) : folder_(folder) {
+#ifdef O_TMPFILE  // Linux
+  file_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (file_ >= 0) return;
+#endif
+  // Not everywhere: a name that is gone at once.
   std::string name = (folder / "recede.scratchXXXXXX").string();
   file_ = ::mkostemp(name.data(), O_CLOEXEC);
   if (file_ < 0) fail(errno);

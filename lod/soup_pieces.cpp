@@ -83,7 +83,7 @@ std::string to_bytes(const PolygonSoup& soup) {
   put_list(bytes, soup.vertex_colors);
   put_list(bytes, soup.face_materials);
   for (const VertexScalar& scalar : soup.vertex_scalars) {
-    put_list(bytes, std::vector<char>(scalar.name.begin(), scalar.name.end()));
+    put_list(bytes, scalar.name);
     put_list(bytes, scalar.values);
   }
   return bytes;

@@ -143,10 +143,15 @@ ReportChoice read_report_choice(const py::dict& from) {
   return report;
 }
 
-void read_view(const py::dict& from, ViewSettings& view) {
-  read(from, "image_height", view.image_height);
-  read(from, "field_of_view", view.field_of_view);
-  read(from, "pixel_error", view.pixel_error);
+/// What hierarchies of meshes and of CAD models have in common.
+template <typename Options>
+void read_errors_and_view(const py::dict& from, Options& options) {
+  read(from, "errors", options.errors);
+  read(from, "relative_errors", options.relative_errors);
+  read(from, "distances", options.distances);
+  read(from, "image_height", options.view.image_height);
+  read(from, "field_of_view", options.view.field_of_view);
+  read(from, "pixel_error", options.view.pixel_error);
 }
 
 void write(const fs::path& folder, Baked& baked, const ReportChoice& report, Progress* progress) {
@@ -161,10 +166,7 @@ struct BakeOrder {
     hierarchy.simplify = read_options(options);
     read(levels, "faces", hierarchy.faces);
     read(levels, "ratios", hierarchy.ratios);
-    read(levels, "errors", hierarchy.errors);
-    read(levels, "relative_errors", hierarchy.relative_errors);
-    read(levels, "distances", hierarchy.distances);
-    read_view(levels, hierarchy.view);
+    read_errors_and_view(levels, hierarchy);
     if (levels.contains("maps") && py::len(levels["maps"]) > 0) hierarchy.maps = read_map_options(levels);
     report = read_report_choice(levels);
     read(levels, "billboards", with_billboards);
@@ -220,12 +222,9 @@ Baked bake_file(const fs::path& file, const fs::path& folder, const std::string&
 Baked bake_cad(const CadModel& model, const fs::path& folder, const std::string& name, const py::dict& levels,
                py::object progress) {
   CadHierarchyOptions options;
-  read(levels, "errors", options.errors);
-  read(levels, "relative_errors", options.relative_errors);
-  read(levels, "distances", options.distances);
+  read_errors_and_view(levels, options);
   read(levels, "gap", options.gap);
   read(levels, "use_connectivity", options.use_connectivity);
-  read_view(levels, options.view);
   ReportChoice report = read_report_choice(levels);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     CadHierarchy cad = build_cad_hierarchy(model, name, options, p);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace recede {
 
@@ -11,23 +12,27 @@ int coarsest_level_seen(const TexturedShell& textured, const VolumeView& view) {
   const PolygonSoup& base = textured.shell->base;
   const ShellLayer& layer = textured.layer();
   const std::array<int, 3>& size = textured.texture->surfaces.front().size;
+  const std::size_t n_triangles = base.corner_vertices.size() / 3;
+  std::vector<double> farthest(n_triangles, 0);  // places of the layer over each triangle
+  for (std::size_t c = 0; c < 3 * n_triangles; ++c) {
+    const Index v = base.corner_vertices[c];
+    farthest[c / 3] =
+        std::max({farthest[c / 3], (base.positions[v] - view.eye).norm(), (layer.tops[v] - view.eye).norm()});
+  }
+  // Rays see both triangles of a quad as one cell.
+  for (const Index t : layer.hexahedra)
+    farthest[t] = farthest[t + 1] = std::max(farthest[t], farthest[t + 1]);
   double most = 0;  // texels to a pixel
-  for (std::size_t c = 0; c + 2 < base.corner_vertices.size(); c += 3) {
-    const Index* const v = &base.corner_vertices[c];
-    std::array<Vec2, 3> st;
-    double distance = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      st[k] = textured.coordinates.of(base.corner_uvs[c + k]);
-      distance = std::max(
-          {distance, (base.positions[v[k]] - view.eye).norm(), (layer.tops[v[k]] - view.eye).norm()});
-    }
-    const Vec2 a = st[1] - st[0], b = st[2] - st[0];
+  for (std::size_t t = 0; t < n_triangles; ++t) {
+    const Index* const v = &base.corner_vertices[3 * t];
+    const auto st = [&](std::size_t k) { return textured.coordinates.of(base.corner_uvs[3 * t + k]); };
+    const Vec2 a = st(1) - st(0), b = st(2) - st(0);
     const double texels = std::abs(a.x() * b.y() - a.y() * b.x()) * size[0] * size[1];
     const double area = (base.positions[v[1]] - base.positions[v[0]])
                             .cross(base.positions[v[2]] - base.positions[v[0]])
                             .norm();
     if (area > 0)
-      most = std::max(most, view.pixel_angle * distance * std::sqrt(std::max(texels, 1.0) / area));
+      most = std::max(most, view.pixel_angle * farthest[t] * std::sqrt(std::max(texels, 1.0) / area));
   }
   // Rays take the next coarser level by lot.
   return most > 0 ? std::clamp(static_cast<int>(std::floor(std::log2(most))) + 1, 0, k_most) : 0;

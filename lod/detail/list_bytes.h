@@ -8,11 +8,12 @@
 
 namespace recede::detail {
 
-template <typename Value>
-void put_list(std::string& bytes, const std::vector<Value>& list) {
+/// A vector, or a text.
+template <typename List>
+void put_list(std::string& bytes, const List& list) {
   const std::size_t n = list.size();
   bytes.append(reinterpret_cast<const char*>(&n), sizeof n);
-  bytes.append(reinterpret_cast<const char*>(list.data()), n * sizeof(Value));
+  bytes.append(reinterpret_cast<const char*>(list.data()), n * sizeof(*list.data()));
 }
 
 /// Takes what `put_list` put there.

@@ -182,7 +182,7 @@ SimplifyOptions to_faces(std::size_t faces) {
 void expect_nearly_as_good(const PolygonSoup& soup, const PolygonSoup& reduced) {
   const SimplifySoupResult whole = simplify(soup, to_faces(reduced.n_faces()));
   const MeshDistance ours = measure_distance(soup, reduced), theirs = measure_distance(soup, whole.soup);
-  EXPECT_LE(ours.rms, 1.1 * theirs.rms);  // the factor
+  EXPECT_LE(ours.rms, 1.1 * theirs.rms);  // what docs/out-of-core.md measures is 1.02
 }
 
 TEST(ReduceChunks, AClosedSurfaceStaysClosedAndAsGood) {
@@ -217,25 +217,30 @@ TEST(ReduceChunks, WhatNearlyFitsIsReducedAsMuchAsNeeded) {
   }
 }
 
+/// Triangles over n x m squares whose corners `place` says.
+template <typename Place>
+PolygonSoup triangle_grid(int n, int m, Place&& place) {
+  PolygonSoup grid;
+  for (int x = 0; x <= n; ++x) {
+    for (int y = 0; y <= m; ++y) grid.positions.push_back(place(x, y));
+  }
+  for (int x = 0; x < n; ++x) {
+    for (int y = 0; y < m; ++y) {
+      const auto at = [&](int i, int j) { return static_cast<Index>((x + i) * (m + 1) + y + j); };
+      grid.add_face(std::vector<Index>{at(0, 0), at(1, 0), at(1, 1)});
+      grid.add_face(std::vector<Index>{at(0, 0), at(1, 1), at(0, 1)});
+    }
+  }
+  return grid;
+}
+
 /// Two rough strips, one close above the other, that meet at one end.
 PolygonSoup folded_strip(int n) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0, 1);
-  PolygonSoup strip;
-  const auto add_point = [&](int i, int y) {
-    strip.positions.emplace_back(std::abs(i), y, 0.1 * unit(random) + (i < 0 ? 0 : 0.05));
-  };
-  for (int i = -n; i <= n; ++i) {
-    for (int y = 0; y <= 10; ++y) add_point(i, y);
-  }
-  for (int i = 0; i < 2 * n; ++i) {
-    for (int y = 0; y < 10; ++y) {
-      const auto at = [&](int di, int dy) { return static_cast<Index>((i + di) * 11 + y + dy); };
-      strip.add_face(std::vector<Index>{at(0, 0), at(1, 0), at(1, 1)});
-      strip.add_face(std::vector<Index>{at(0, 0), at(1, 1), at(0, 1)});
-    }
-  }
-  return strip;
+  return triangle_grid(2 * n, 10, [&](int x, int y) {
+    return Vec3(std::abs(x - n), y, 0.1 * unit(random) + (x < n ? 0 : 0.05));
+  });
 }
 
 // In a chunk the strips are parts of their own; they aren't in the whole.
@@ -279,20 +284,9 @@ TEST(ReduceChunks, UnitsDontMatter) {
 PolygonSoup half_rough_sheet(int n) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
-  PolygonSoup sheet;
-  for (int y = 0; y <= n; ++y) {
-    for (int x = 0; x <= n; ++x)
-      sheet.positions.emplace_back(
-          x, y, 2 * x < n ? 0 : std::sin(0.7 * x) * std::cos(0.5 * y) + 0.05 * unit(random));
-  }
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) {
-      const auto at = [&](int i, int j) { return static_cast<Index>((y + j) * (n + 1) + x + i); };
-      sheet.add_face(std::vector<Index>{at(0, 0), at(1, 0), at(1, 1)});
-      sheet.add_face(std::vector<Index>{at(0, 0), at(1, 1), at(0, 1)});
-    }
-  }
-  return sheet;
+  return triangle_grid(n, n, [&](int x, int y) {
+    return Vec3(x, y, 2 * x < n ? 0 : std::sin(0.7 * x) * std::cos(0.5 * y) + 0.05 * unit(random));
+  });
 }
 
 // With the same share of the faces of each chunk, the flat half would keep a half of them.

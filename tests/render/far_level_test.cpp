@@ -68,6 +68,21 @@ TEST(FarLevels, SayWhichLevelsTheyReplace) {
   EXPECT_EQ(hierarchy.levels.back().stop_reason, trials[0].reason);
 }
 
+// Of a file that is larger than memory level 0 is off itself, and clouds are made from that.
+TEST(FarLevels, AreOffByWhatLevelZeroIsAsWell) {
+  LodHierarchy exact = hierarchy_of(make_tree({.leaves = 300})), off = exact;
+  off.levels[0].error = {.max = 0.3, .rms = 0.1, .bound = 0.4};
+  for (LodHierarchy* hierarchy : {&exact, &off}) {
+    std::vector<FarLevelTrial> trials =
+        compare_far_levels(*hierarchy, {.relative_errors = {0.08}, .views = 6});
+    ASSERT_EQ(append_far_levels(*hierarchy, trials), 1u) << trials[0].reason;
+  }
+  const LevelError &without = exact.levels.back().error, &with = off.levels.back().error;
+  EXPECT_DOUBLE_EQ(with.max, without.max + 0.3);
+  EXPECT_DOUBLE_EQ(with.rms, without.rms + 0.1);
+  EXPECT_DOUBLE_EQ(with.bound, without.bound + 0.4);
+}
+
 TEST(FarLevels, OfVeryManyFacesAreLeftAlone) {
   const LodHierarchy hierarchy = hierarchy_of(make_tree({.leaves = 100}));
   const std::vector<FarLevelTrial> trials =
