@@ -7,7 +7,8 @@ namespace recede {
 
 struct OutOfCoreOptions {
   std::size_t memory = std::size_t{4} << 30;  ///< bytes that the process may take, at least 256 MiB
-  /// Where scratch files lie, some five times the input: this folder or the nearest one above that exists.
+  /// Where scratch files lie, five to seven times the input: this folder or the nearest one above that
+  /// exists.
   std::filesystem::path scratch = ".";
 };
 
