@@ -121,6 +121,7 @@ std::vector<Vec2> convex_hull(std::span<const Vec2> points) {
   std::vector<Vec2> sorted(points.begin(), points.end()), hull;
   std::sort(sorted.begin(), sorted.end(),
             [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
   for (int half = 0; half < 2; ++half) {  // the lower chain, then the upper one (Andrew 1979)
     const std::size_t first = hull.size();
     for (const Vec2& p : sorted) {
@@ -188,6 +189,9 @@ PackedTexels pack_texels(std::span<const Eigen::Vector2i> sizes, int gutter) {
   int longest = 1;
   for (const Eigen::Vector2i& size : sizes) {
     if (size.minCoeff() < 1) throw InputError("rectangles to pack must have positive sides");
+    if (size.maxCoeff() > k_largest_resolution)
+      throw InputError(fmt::format("a rectangle of {} x {} texels is larger than {}", size.x(), size.y(),
+                                   k_largest_resolution));
     area += (size.x() + gutter) * static_cast<double>(size.y() + gutter);
     longest = std::max(longest, size.maxCoeff());
   }

@@ -32,11 +32,10 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
   const fs::path beside = path.string() + ".part" + std::to_string(::getpid());
   File file(std::fopen(beside.c_str(), "wb"));
   if (!file) fail(path, errno);
-  bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
-  const int write_error = errno;
-  written = std::fclose(file.release()) == 0 && written;
-  if (!written) {
-    const int error = write_error != 0 ? write_error : errno;
+  // Of the first call that fails: a success may leave any number in errno.
+  int error = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size() ? 0 : errno;
+  if (std::fclose(file.release()) != 0 && error == 0) error = errno;
+  if (error != 0) {
     std::remove(beside.c_str());
     fail(path, error);
   }

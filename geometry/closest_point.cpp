@@ -1,5 +1,8 @@
 #include <recede/geometry/closest_point.h>
+#include <recede/geometry/error.h>
 #include <recede/geometry/sheared_line.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -62,6 +65,7 @@ Vec3 closest_point_on_triangle(const Vec3& p, const Triangle& t) {
 
 ClosestPointTree::ClosestPointTree(const std::vector<Vec3>& positions, const std::vector<Index>& triangles) {
   const std::size_t n = triangles.size() / 3;
+  if (n > k_leaf_first_mask) throw InputError(fmt::format("{} triangles are more than 2^28", n));
   std::vector<Vec3> centers(n);
   triangles_.resize(n);
   for (std::size_t t = 0; t < n; ++t) {
@@ -80,7 +84,7 @@ ClosestPointTree::ClosestPointTree(const std::vector<Vec3>& positions, const std
                       {Vec3::Constant(far), Vec3::Constant(far)},
                       {k_leaf_bit | static_cast<Index>(n) << k_leaf_count_shift, k_leaf_bit}});
   } else {
-    build(number_, centers, 0, n, box, 0);
+    build(number_, centers, 0, n, box);
   }
   std::vector<Triangle> ordered(n);
   place_.resize(n);
@@ -93,7 +97,7 @@ ClosestPointTree::ClosestPointTree(const std::vector<Vec3>& positions, const std
 
 /// Splits at the median of the longest axis of the centres: depth stays logarithmic whatever the input.
 Index ClosestPointTree::build(std::vector<Index>& order, const std::vector<Vec3>& centers, std::size_t first,
-                              std::size_t last, Box3& box, int depth) {
+                              std::size_t last, Box3& box) {
   if (last - first <= k_leaf_size) {
     for (std::size_t i = first; i < last; ++i) {
       const Triangle& t = triangles_[order[i]];
@@ -115,8 +119,8 @@ Index ClosestPointTree::build(std::vector<Index>& order, const std::vector<Vec3>
   const auto index = static_cast<Index>(nodes_.size());
   nodes_.emplace_back();
   Box3 boxes[2];
-  const Index left = build(order, centers, first, middle, boxes[0], depth + 1);
-  const Index right = build(order, centers, middle, last, boxes[1], depth + 1);
+  const Index left = build(order, centers, first, middle, boxes[0]);
+  const Index right = build(order, centers, middle, last, boxes[1]);
   Node& node = nodes_[index];
   for (int side = 0; side < 2; ++side) {
     node.lower[side] = boxes[side].min();

@@ -29,7 +29,8 @@ class ClosestPointTree {
     Vec3 point = Vec3::Zero();
   };
 
-  /// `triangles` holds three vertex indices each; there must be at least one triangle.
+  /// `triangles` holds three vertex indices each; there must be at least one triangle. Throws `InputError`
+  /// for 2^28 of them or more.
   ClosestPointTree(const std::vector<Vec3>& positions, const std::vector<Index>& triangles);
 
   /// The nearest point. `hint`, a triangle thought to be near, makes a run of neighbouring queries faster;
@@ -70,7 +71,7 @@ class ClosestPointTree {
   struct Range;
 
   Index build(std::vector<Index>& order, const std::vector<Vec3>& centers, std::size_t first,
-              std::size_t last, Box3& box, int depth);
+              std::size_t last, Box3& box);
   template <typename MayEnter, typename MayTest>
   void descend(const Vec3& p, Hit& best, MayEnter&& may_enter, MayTest&& may_test) const;
 

@@ -299,4 +299,15 @@ ControlMesh make_control_mesh(const PolygonSoup& control, const SubdivisionOptio
   return ControlMeshBuilder(control, options).build();
 }
 
+void require_few_facets(const ControlMesh& control, SubdivisionScheme scheme, int level,
+                        const std::string& wish) {
+  const bool is_loop = scheme == SubdivisionScheme::loop;
+  double faces =
+      static_cast<double>(is_loop || level == 0 ? control.soup.n_faces() : control.soup.n_corners());
+  for (int l = is_loop ? 0 : 1; l < level; ++l) faces *= 4;
+  if (faces <= static_cast<double>(SubdivisionOptions::k_most_faces)) return;
+  throw OptionError(fmt::format("{}level {} would have {:.0f} faces, more than {}", wish, level, faces,
+                                SubdivisionOptions::k_most_faces));
+}
+
 }  // namespace recede::detail

@@ -12,6 +12,7 @@ LevelInterpolation interpolate_level(const PolygonSoup& control, const Subdivisi
   if (coarse_level < 0 || coarse_level > level)
     throw OptionError(fmt::format("points of level {} stand between those of levels 0 to {}, not {}", level,
                                   level, coarse_level));
+  detail::require_few_facets(mesh, options.scheme, level);
   const detail::FaceGrids grids = detail::make_face_grids(mesh, options.scheme, level);
   std::map<std::size_t, std::vector<detail::GridMean>> means;
   for (const auto& [sides, grid] : grids)

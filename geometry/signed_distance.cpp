@@ -57,6 +57,8 @@ SignedDistance::SignedDistance(Triangles triangles)
       tree_(positions_, triangles_) {
   const std::size_t n = triangles_.size() / 3;
   Box3 box;
+  // A corner of the surface, so that those far from the origin keep their digits.
+  const Vec3 origin = positions_[triangles_[0]];
   face_normals_.reserve(n);
   vertex_normals_.assign(positions_.size(), Vec3::Zero());
   edge_normals_.resize(triangles_.size());
@@ -65,7 +67,7 @@ SignedDistance::SignedDistance(Triangles triangles)
     for (std::size_t k = 0; k < 3; ++k) corners[k] = positions_[triangles_[3 * t + k]];
     // Triangles without area have no normal, and add none to their edges and vertices.
     face_normals_.push_back((corners[1] - corners[0]).cross(corners[2] - corners[0]).stableNormalized());
-    volume_ += corners[0].dot(corners[1].cross(corners[2])) / 6;
+    volume_ += (corners[0] - origin).dot((corners[1] - origin).cross(corners[2] - origin)) / 6;
     for (std::size_t k = 0; k < 3; ++k) {
       box.extend(corners[k]);
       const Vec3 next = corners[(k + 1) % 3] - corners[k], last = corners[(k + 2) % 3] - corners[k];

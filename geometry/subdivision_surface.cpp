@@ -308,28 +308,17 @@ class Subdivider {
   std::vector<std::size_t> first_cells_;  // F + 1
 };
 
-/// Throws `OptionError` for more facets than there may be.
-void require_few_faces(const ControlMesh& control, SubdivisionScheme scheme, int level, const char* wish) {
-  const bool is_loop = scheme == SubdivisionScheme::loop;
-  double faces =
-      static_cast<double>(is_loop || level == 0 ? control.soup.n_faces() : control.soup.n_corners());
-  for (int l = is_loop ? 0 : 1; l < level; ++l) faces *= 4;
-  if (faces <= static_cast<double>(SubdivisionOptions::k_most_faces)) return;
-  throw OptionError(fmt::format("{}level {} would have {:.0f} faces, more than {}", wish, level, faces,
-                                SubdivisionOptions::k_most_faces));
-}
-
 }  // namespace
 
 SubdivisionResult subdivide(const PolygonSoup& control, const SubdivisionOptions& options,
                             Progress* progress) {
   const ControlMesh mesh = detail::make_control_mesh(control, options);
   if (!options.error) {
-    require_few_faces(mesh, options.scheme, options.level, "");
+    detail::require_few_facets(mesh, options.scheme, options.level);
     return Subdivider(mesh, options, options.level).run(progress);
   }
   for (int level = 0; level <= SubdivisionOptions::k_largest_level; ++level) {
-    require_few_faces(mesh, options.scheme, level, "the error is too small: ");
+    detail::require_few_facets(mesh, options.scheme, level, "the error is too small: ");
     SubdivisionResult result = Subdivider(mesh, options, level).run(progress);
     if (result.error_estimate <= *options.error) return result;
   }

@@ -77,6 +77,10 @@ class BodyLister {
 
  private:
   using BodyKey = std::pair<const void*, int>;
+  struct LooseBody {
+    std::vector<TopoDS_Shape> faces;
+    Index body;
+  };
 
   void add_free_labels();
   void add_label(const TDF_Label& label, Place place);
@@ -96,6 +100,7 @@ class BodyLister {
   Handle(XCAFDoc_ShapeTool) shapes_;
   Handle(XCAFDoc_ColorTool) colors_;
   std::map<BodyKey, Index> known_;
+  std::vector<LooseBody> loose_bodies_;
   std::vector<TopoDS_Shape> loose_faces_;
   std::map<std::string, Index> material_numbers_;
   CadAssembly assembly_;
@@ -193,15 +198,20 @@ void BodyLister::add_loose(const std::vector<TopoDS_Shape>& faces, const Place& 
   BRep_Builder builder;
   builder.MakeCompound(compound);
   for (const TopoDS_Shape& face : faces) builder.Add(compound, face);
-  const BodyKey key{faces.front().TShape().get(), -1};
-  const auto [known, is_new] = known_.try_emplace(key, static_cast<Index>(assembly_.bodies.size()));
+  const auto known = std::find_if(loose_bodies_.begin(), loose_bodies_.end(), [&](const LooseBody& body) {
+    return std::equal(faces.begin(), faces.end(), body.faces.begin(), body.faces.end(),
+                      [](const TopoDS_Shape& a, const TopoDS_Shape& b) { return a.IsEqual(b); });
+  });
+  const bool is_new = known == loose_bodies_.end();
+  const Index number = is_new ? static_cast<Index>(assembly_.bodies.size()) : known->body;
   if (is_new) {
+    loose_bodies_.push_back({faces, number});
     CadBody& body = assembly_.bodies.emplace_back();
     body.name = place.name.empty() ? name_ : place.name;
     body.shape = compound;
     fill(body, compound);
   }
-  assembly_.instances.push_back({known->second, to_affine(place.location), place.name, place.material});
+  assembly_.instances.push_back({number, to_affine(place.location), place.name, place.material});
 }
 
 /// Faces as they stand in the body, with names and colours that the file knows by where they stood.

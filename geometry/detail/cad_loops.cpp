@@ -260,6 +260,7 @@ FaceLoops find_loops(const TopoDS_Face& face, bool repair) {
   if (!found.loops.empty()) return found;
   // Wires that are points alone leave the whole surface, too.
   found.loops = LoopFinder(naturally_bounded(face), repair).run().loops;
+  if (found.loops.empty()) throw CadProblem{"nothing bounds it"};
   return found;
 }
 

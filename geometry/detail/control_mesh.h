@@ -29,7 +29,10 @@ struct ControlMesh {
   }
 };
 
-/// Throws what `subdivide` does, but for the number of faces.
+/// Throws what `subdivide` does, but for the number of facets, which `require_few_facets` looks at.
 ControlMesh make_control_mesh(const PolygonSoup& control, const SubdivisionOptions& options);
+/// Throws `OptionError` for a level of more than `k_most_faces`; `wish` stands in front of the text.
+void require_few_facets(const ControlMesh& control, SubdivisionScheme scheme, int level,
+                        const std::string& wish = "");
 
 }  // namespace recede::detail

@@ -108,7 +108,10 @@ TEST(AtlasPacking, NoOtherDirectionGivesASmallerRectangle) {
 }
 
 TEST(AtlasPacking, PointsOnALineOrAPointHaveAFlatRectangle) {
-  EXPECT_EQ(smallest_rectangle(std::vector<Vec2>{{1, 2}}).sides, Vec2(0, 0));
+  for (const std::vector<Vec2>& points : {std::vector<Vec2>{{1, 2}}, std::vector<Vec2>(3, Vec2(1, 2))}) {
+    EXPECT_EQ(smallest_rectangle(points).sides, Vec2(0, 0));
+    EXPECT_EQ(smallest_rectangle(points).corner, Vec2(1, 2));
+  }
   EXPECT_NEAR(smallest_rectangle(std::vector<Vec2>{{0, 0}, {1, 1}, {2, 2}}).sides.maxCoeff(), std::sqrt(8),
               1e-12);
 }

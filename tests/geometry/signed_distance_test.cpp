@@ -43,7 +43,8 @@ TEST(SignedDistance, OfABoxIsThatOfItsSides) {
       const Vec3 lower = scale * Vec3(offset - 1, offset - 0.5, -0.25),
                  upper = scale * Vec3(offset + 1, offset + 0.5, 0.25);
       const SignedDistance distance(box(lower, upper));
-      EXPECT_NEAR(distance.volume() / (scale * scale * scale), 1, offset > 0 ? 1e-3 : 1e-12);
+      // Sides of coordinates that are rounded by 1e-10 of their length.
+      EXPECT_NEAR(distance.volume() / (scale * scale * scale), 1, offset > 0 ? 1e-8 : 1e-12);
       // Coordinates are rounded by 1e-16 of their size.
       const double tolerance = scale * (offset > 0 ? 1e-9 : 1e-14);
       for (int n = 0; n < 2000; ++n) {
@@ -51,6 +52,17 @@ TEST(SignedDistance, OfABoxIsThatOfItsSides) {
         EXPECT_NEAR(distance.inside_by(p), inside_box(p, lower, upper), tolerance);
       }
     }
+  }
+}
+
+// Products of such coordinates have no digits left for a volume of 1.
+TEST(SignedDistance, KnowsInsideFromOutsideFarFromTheOrigin) {
+  for (const double far : {5e6, 1e9}) {
+    const Vec3 lower = Vec3::Constant(far) - Vec3(0.5, 0.5, 0.5), upper = lower + Vec3::Ones();
+    const SignedDistance distance(box(lower, upper));
+    EXPECT_NEAR(distance.volume(), 1, 1e-9) << "whole halves are exact";
+    EXPECT_GT(distance.inside_by(Vec3::Constant(far)), 0.49);
+    EXPECT_LT(distance.inside_by(upper + Vec3::Ones()), -1);
   }
 }
 
