@@ -5,6 +5,7 @@
 #include "displaced_scenes.h"
 #include "plot_sheet.h"
 #include <recede/geometry/error.h>
+#include <recede/geometry/mesh_distance.h>
 #include <recede/render/detail/displaced_data.h>
 #include <recede/render/detail/flush_denormals.h>
 #include <recede/render/renderer.h>
@@ -217,10 +218,31 @@ std::string systems_table(const std::string& name, const std::function<Displaced
       name, level, small, text);
 }
 
+/// RMS distance of the small triangles of levels 1, 2, ... from those of the last one, as shares of the
+/// diagonal.
+std::vector<double> level_errors(int last) {
+  const auto at_level = [](int level) {
+    const DisplacedSurface surface = fractal_sphere();
+    DisplacedMeshOptions levels;
+    levels.level = level;
+    return DisplacedMesh(surface.base, surface.map, levels).tessellate();
+  };
+  const DistanceMeter finest(at_level(last));
+  std::vector<double> errors;
+  for (int level = 1; level < last; ++level) {
+    const MeshDistance distance = finest.to(at_level(level));
+    errors.push_back(distance.rms / distance.diagonal);
+  }
+  return errors;
+}
+
 void add_levels(const BenchOptions& options, BenchSection& section) {
   Plot memory = log_plot("Fractal sphere: memory", "small triangles", "bytes of a small triangle"),
        camera = log_plot("Rays of a camera, one by one", "small triangles", "microseconds of a ray"),
-       incoherent = log_plot("Incoherent rays", "small triangles", "microseconds of a ray");
+       incoherent = log_plot("Incoherent rays", "small triangles", "microseconds of a ray"),
+       error = log_plot("Fractal sphere: error over memory", "megabytes, map included",
+                        "RMS to the finest level, of the diagonal");
+  const std::vector<double> errors = level_errors(options.quick ? 5 : 6);
   std::string text =
       "**Fractal sphere at growing levels: bytes each ; camera rays 16 together ; camera ; incoherent**\n\n| "
       "level |";
@@ -250,6 +272,8 @@ void add_levels(const BenchOptions& options, BenchSection& section) {
                             add_point(memory, system.name, small, f.bytes);
                             add_point(camera, system.name, small, 1 / f.camera);
                             add_point(incoherent, system.name, small, 1 / f.incoherent);
+                            if (const auto at = static_cast<std::size_t>(level - 1); at < errors.size())
+                              add_point(error, system.name, 1e-6 * f.bytes * small, errors[at]);
                             return fmt::format("{:.3g} ; {:.3g} ; {:.3g} ; {:.3g}", f.bytes, f.packets,
                                                f.camera, f.incoherent);
                           }));
@@ -257,7 +281,7 @@ void add_levels(const BenchOptions& options, BenchSection& section) {
     text += "\n";
   }
   section.markdown += text + "\n";
-  section.curves = {memory, camera, incoherent};
+  section.curves = {memory, camera, incoherent, error};
 }
 
 /// What a map of 4096 x 4096 texels on a million triangles costs, as a surface alone and as a scene of the
