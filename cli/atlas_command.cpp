@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace recede::cli {
 namespace {
 
@@ -66,8 +68,14 @@ void run(AtlasCommandOptions options) {
   TerminalProgress progress(options.common.quiet);
   options.atlas.charts.straighten = !options.no_straighten;
   options.atlas.charts.keep_materials = !options.ignore_materials;
-  PolygonSoup soup = read_unrepaired(options.input, &progress);
+  PolygonSoup soup = read_unrepaired(options.input, options.common, &progress);
   if (soup.n_faces() == 0) throw InputError::in_file(options.input, "holds no faces");
+  if (std::any_of(soup.materials.begin(), soup.materials.end(), [](const Material& material) {
+        return !material.base_color_texture.empty() || !material.normal_texture.empty();
+      }))
+    print_remark(
+        fmt::format("{}: its textures don't fit the new coordinates and are left out", options.input),
+        options.common);
   merge_identical_vertices(soup);
   const AtlasResult atlas = make_atlas(soup, options.atlas, &progress);
   const WriteResult written = write_soup(options.output, atlas.soup);

@@ -26,6 +26,7 @@ struct BakeOptions {
   double feature_angle = 0;
   std::string up;
   bool no_report = false, appearance = false, no_billboards = false;
+  HierarchyWriteOptions write;
   std::vector<std::string> maps;  // names
   std::string map_format = "png";
   std::optional<double> map_seam_weight;
@@ -87,6 +88,7 @@ Json level_to_json(const LodHierarchy& hierarchy, const HierarchyFiles& files, s
   return {{"level", i},
           {"file", files.level_files[i].string()},
           {"bytes", files.level_bytes[i]},
+          {"glb", files.level_glbs.empty() ? Json(nullptr) : Json(files.level_glbs[i].string())},
           {"faces", level.mesh.n_faces()},
           {"vertices", level.mesh.n_vertices()},
           {"error", error_to_json(level.error.max, level.error.rms, level.error.bound, diagonal)},
@@ -161,6 +163,8 @@ void print_text(const LodHierarchy& hierarchy, const std::vector<FarLevelTrial>&
   if (!trials.empty()) fmt::print("triangles or billboards\nfrom distance   which are better there\n");
   for (const FarLevelTrial& trial : trials) fmt::print("{:13.4g}   {}\n", trial.distance, trial.reason);
   fmt::print("hierarchy  {}\nlevels     {}\n", files.glb.string(), files.folder.string());
+  if (!files.level_glbs.empty())
+    fmt::print("one each   {} to {}\n", files.level_glbs.front().string(), files.level_glbs.back().string());
   if (report) fmt::print("report     {}\n", report->html.string());
   fmt::print("seconds    {:.3g}\n", seconds);
 }
@@ -180,7 +184,7 @@ std::optional<MapOptions> map_options(const BakeOptions& options) {
 }
 
 // What has a meaning for CAD files; the last two for nothing else.
-constexpr std::array<std::string_view, 13> k_options_of_cad{"input",
+constexpr std::array<std::string_view, 14> k_options_of_cad{"input",
                                                             "--output",
                                                             "--image-height",
                                                             "--field-of-view",
@@ -191,6 +195,7 @@ constexpr std::array<std::string_view, 13> k_options_of_cad{"input",
                                                             "--threads",
                                                             "--no-report",
                                                             "--viewer-triangles",
+                                                            "--glb-per-level",
                                                             "--gap",
                                                             "--no-connectivity"};
 
@@ -202,8 +207,9 @@ void run_for_cad(const BakeOptions& options) {
     if (std::find(k_options_of_cad.begin(), k_options_of_cad.end(), name) == k_options_of_cad.end())
       throw OptionError(name + " is for meshes, not for CAD files");
   }
-  CadBakeOptions cad{options.common,    options.input,           options.output, options.up, {},
-                     options.no_report, options.viewer_triangles};
+  CadBakeOptions cad{
+      options.common,           options.input, options.output, options.up, {}, options.no_report,
+      options.viewer_triangles, options.write};
   cad.hierarchy.errors = options.hierarchy.errors;
   cad.hierarchy.view = options.hierarchy.view;
   cad.hierarchy.view.field_of_view = options.field_of_view * std::numbers::pi / 180;
@@ -247,6 +253,21 @@ void print_out_of_core(const OutOfCoreHierarchy& built, const BakeOptions& optio
   }
 }
 
+/// A new atlas has no place for the textures of the input, unless their colours are baked.
+void print_lost_textures(const LodHierarchy& hierarchy, const CommonOptions& options) {
+  const std::vector<Material>& materials = hierarchy.levels.front().mesh.materials;
+  const bool has_textures = std::any_of(materials.begin(), materials.end(), [](const Material& material) {
+    return !material.base_color_texture.empty();
+  });
+  for (std::size_t i = 0; i < hierarchy.levels.size() && has_textures; ++i) {
+    const auto& maps = hierarchy.levels[i].maps;
+    if (!maps || maps->report.atlas_reason.empty() || !maps->color.samples.empty()) continue;
+    print_remark(fmt::format("level {} has a new atlas ({}) and no texture; --maps color bakes one", i,
+                             maps->report.atlas_reason),
+                 options);
+  }
+}
+
 Json out_of_core_to_json(const OutOfCoreHierarchy& built) {
   if (built.hierarchy.source_faces == 0) return nullptr;
   return {{"faces", built.hierarchy.source_faces},
@@ -279,7 +300,7 @@ void run(BakeOptions options) {
     trials = compare_far_levels(hierarchy, {}, &progress);
     append_far_levels(hierarchy, trials, &progress);
   }
-  const HierarchyFiles files = write_hierarchy(options.output, hierarchy);
+  const HierarchyFiles files = write_hierarchy(options.output, hierarchy, options.write);
   Appearances appearances(hierarchy.levels.size());
   if (options.appearance) appearances = write_appearances(hierarchy, files.folder, &progress);
   std::optional<ReportFiles> report;
@@ -297,6 +318,7 @@ void run(BakeOptions options) {
       hierarchy.levels.back().maps->color.samples.empty()) {
     print_remark(options.input + " has no colours to bake", options.common);
   }
+  print_lost_textures(hierarchy, options.common);
   if (!options.common.json) return print_text(hierarchy, trials, files, report, diagonal, seconds);
   Json levels = Json::array();
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
@@ -397,6 +419,8 @@ void add_bake_command(CLI::App& app) {
   add_seam_options(*command, options->seams, "CAD files");
   command->add_flag("--no-billboards", options->no_billboards,
                     "no billboards as last levels, even where they look better than triangles");
+  command->add_flag("--glb-per-level", options->write.glb_per_level,
+                    "also one GLB file for each level, for engines that don't know MSFT_lod");
   command->add_flag("--no-report", options->no_report, "write the hierarchy only");
   command
       ->add_option("--viewer-triangles", options->viewer_triangles,

@@ -98,7 +98,7 @@ PolygonSoup read_points(BillboardsOptions& options, std::size_t& n_points, Progr
 }
 
 PolygonSoup read_input(BillboardsOptions& options, std::size_t& n_points, Progress* progress) {
-  PolygonSoup model = read_unrepaired(options.input, progress);
+  PolygonSoup model = read_unrepaired(options.input, options.common, progress);
   if (model.n_faces() == 0) model = read_points(options, n_points, progress);
   merge_identical_vertices(model);
   for (const double share : options.relative_errors)

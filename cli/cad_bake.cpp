@@ -13,6 +13,7 @@ Json level_to_json(const CadHierarchy& cad, const HierarchyFiles& files, std::si
   return {{"level", i},
           {"file", files.level_files[i].string()},
           {"bytes", files.level_bytes[i]},
+          {"glb", files.level_glbs.empty() ? Json(nullptr) : Json(files.level_glbs[i].string())},
           {"faces", level.mesh.n_faces()},
           {"vertices", level.mesh.n_vertices()},
           {"patches", cad.levels[i].patches},
@@ -97,7 +98,7 @@ void bake_cad(const CadBakeOptions& options) {
   const CadModel model = read_cad(options.input, {}, &progress);
   const std::string name = std::filesystem::path(options.input).stem().string();
   const CadHierarchy cad = build_cad_hierarchy(model, name, options.hierarchy, &progress);
-  const HierarchyFiles files = write_hierarchy(options.output, cad.hierarchy);
+  const HierarchyFiles files = write_hierarchy(options.output, cad.hierarchy, options.write);
   std::optional<ReportFiles> report;
   if (!options.no_report) {
     ReportOptions report_options{.up = up_direction(options.up, options.input),

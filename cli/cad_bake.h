@@ -12,6 +12,7 @@ struct CadBakeOptions {
   CadHierarchyOptions hierarchy;
   bool no_report = false;
   std::size_t viewer_triangles = 0;
+  HierarchyWriteOptions write;
 };
 
 /// Adds `--gap` and `--no-connectivity`.

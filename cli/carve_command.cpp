@@ -43,8 +43,8 @@ Tool read_tool(const CarveCommandOptions& options, Progress* progress) {
     const auto& [x, y, z, radius] = *options.ball;
     return {ball_body({x, y, z}, radius), 4.0 / 3 * std::numbers::pi * radius * radius * radius};
   }
-  const auto mesh =
-      std::make_shared<const SignedDistance>(read_unrepaired(options.tool, progress), options.tool);
+  const auto mesh = std::make_shared<const SignedDistance>(
+      read_unrepaired(options.tool, options.common, progress), options.tool);
   return {mesh_body(mesh), mesh->volume()};
 }
 

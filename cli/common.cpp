@@ -122,8 +122,12 @@ Model read_model(const std::string& input, Progress* progress) {
   return {fs::path(input).stem().string(), read_mesh(input, progress)};
 }
 
-PolygonSoup read_unrepaired(const std::string& input, Progress* progress) {
-  if (fs::exists(input)) return read_soup(input, progress);
+PolygonSoup read_unrepaired(const std::string& input, const CommonOptions& options, Progress* progress) {
+  if (fs::exists(input)) {
+    ReadSoup read = read_soup_with_pictures(input, progress);
+    print_repairs(read.report, options);
+    return std::move(read.soup);
+  }
   return to_soup(read_model(input, progress).read.mesh);
 }
 
@@ -174,8 +178,8 @@ DisplacementMap read_heights(const HeightMapOptions& options) {
 }
 
 MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMapOptions& options,
-                                       Progress* progress) {
-  PolygonSoup soup = read_unrepaired(input, progress);
+                                       const CommonOptions& common, Progress* progress) {
+  PolygonSoup soup = read_unrepaired(input, common, progress);
   if (soup.n_faces() == 0) throw InputError::in_file(input, "holds no faces");
   if (soup.corner_uvs.empty()) {
     throw InputError::in_file(input, "has no texture coordinates; `recede atlas` makes some");

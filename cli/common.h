@@ -74,8 +74,8 @@ CLI::Validator between(double least, double most);
 void check_output_folder(const std::string& folder);
 void check_output_file(const std::string& file, const std::vector<std::string>& extensions);
 
-/// What the file holds, with nothing repaired; a built-in model else.
-PolygonSoup read_unrepaired(const std::string& input, Progress* progress);
+/// What the file holds, with nothing repaired; a built-in model else. Says what is left aside.
+PolygonSoup read_unrepaired(const std::string& input, const CommonOptions& options, Progress* progress);
 
 /// Where a camera stands and what it looks at.
 struct ViewOptions {
@@ -108,7 +108,7 @@ struct MeshWithHeights {
 };
 DisplacementMap read_heights(const HeightMapOptions& options);
 MeshWithHeights read_mesh_with_heights(const std::string& input, const HeightMapOptions& options,
-                                       Progress* progress);
+                                       const CommonOptions& common, Progress* progress);
 
 /// How to simplify, without the target.
 void add_simplify_options(CLI::App& command, SimplifyOptions& options, double& feature_angle);

@@ -55,7 +55,7 @@ Base base_of_mesh(const DiceCommandOptions& options, Progress* progress) {
   if (options.heights.file.empty())
     throw OptionError("a mesh needs --displacement-map; a hierarchy has its own");
   if (options.level) throw OptionError("--level is for hierarchies");
-  MeshWithHeights mesh = read_mesh_with_heights(options.input, options.heights, progress);
+  MeshWithHeights mesh = read_mesh_with_heights(options.input, options.heights, options.common, progress);
   return {DisplacedBase(mesh.base, std::move(mesh.map), options.levels, progress)};
 }
 

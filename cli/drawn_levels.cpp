@@ -117,13 +117,14 @@ void Drawn::read_input(Progress* progress) {
     }
     heights_ = cli::read_heights(options_.heights);
   } else if (has_map) {
-    MeshWithHeights read = read_mesh_with_heights(input, options_.heights, progress);
+    MeshWithHeights read = read_mesh_with_heights(input, options_.heights, options_.common, progress);
     mesh_ = std::move(read.base);
     heights_ = std::move(read.map);
     hierarchy_.levels.emplace_back();
   } else {
     Model model = read_model(input, progress);
     require_faces(model, input);
+    print_repairs(model.read.report, options_.common);
     hierarchy_.levels.emplace_back().mesh = std::move(model.read.mesh);
   }
 }
@@ -271,6 +272,7 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
   }
   if (method == Displacement::traced) {
     BakedMaps maps = *drawn.maps;
+    if (is_painted()) maps.color = {};
     paint(maps.surface, level);
     return Scene(maps, displacement, shading);
   }

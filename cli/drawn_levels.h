@@ -23,6 +23,7 @@ enum class ChooseBy { error, distance };
 enum class Displacement { traced, diced, tessellated, none };
 
 struct DrawnOptions {
+  CommonOptions common;
   std::string input;
   ViewOptions view;
   int width = 800, height = 600;

@@ -21,8 +21,9 @@ struct ProgressiveCommandOptions {
 
 /// What the file holds, with nothing repaired: this is what the full level gives back.
 PolygonSoup read_input(const ProgressiveCommandOptions& options, Progress* progress) {
-  if (options.feature_angle == 0) return read_unrepaired(options.input, progress);
+  if (options.feature_angle == 0) return read_unrepaired(options.input, options.common, progress);
   Model model = read_model(options.input, progress);
+  print_repairs(model.read.report, options.common);
   mark_features(model.read.mesh, options.feature_angle);
   return to_soup(model.read.mesh);
 }

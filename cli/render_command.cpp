@@ -17,7 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RenderCommandOptions : DrawnOptions {
-  CommonOptions common;
   std::string output;
   std::string mask;  // of one picture
 

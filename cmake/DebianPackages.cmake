@@ -29,7 +29,7 @@ set(CPACK_DEBIAN_COMMAND_DESCRIPTION
   "level-of-detail geometry that says how wrong it is${about}This package has the command.")
 
 # What recedeConfig.cmake finds, and what its targets link.
-set(libraries libeigen3-dev libembree-dev libfast-float-dev libfmt-dev libopenexr-dev libopenmesh-dev libosd-dev libpng-dev
+set(libraries libeigen3-dev libembree-dev libfast-float-dev libfmt-dev libopenexr-dev libopenmesh-dev libosd-dev libpng-dev libjpeg-dev
   libtbb-dev libzstd-dev nlohmann-json3-dev zlib1g-dev)
 if(RECEDE_CAD)
   # Debian's files for OpenCASCADE ask the linker for fontconfig, which they don't depend on.

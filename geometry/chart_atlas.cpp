@@ -2,6 +2,7 @@
 #include <recede/geometry/detail/chart_surface.h>
 #include <recede/geometry/detail/disk_map.h>
 #include <recede/geometry/error.h>
+#include <recede/geometry/texture.h>
 
 #include <tbb/parallel_for.h>
 
@@ -289,6 +290,7 @@ AtlasResult make_atlas(const PolygonSoup& soup, const AtlasOptions& options, Pro
     place_charts(mapper.charts(), sides, pack_rectangles(sides, options.packing), result);
   } while (mapper.cut_flipped());
   describe(mapper.charts(), sized.unit, result);
+  drop_textures(result.soup.materials);
   result.soup.corner_uvs.resize(soup.n_corners());
   for (const MappedChart& chart : mapper.charts()) {
     for (const Index face : chart.faces) {

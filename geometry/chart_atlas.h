@@ -110,6 +110,7 @@ struct AtlasChart {
 
 struct AtlasResult {
   /// The input with `corner_uvs` in [0,1]^2. Where a chart ends, an edge has other ones on its other side.
+  /// Materials have no textures, whose coordinates were others.
   PolygonSoup soup;
   std::vector<Index> face_charts;  ///< F
   std::vector<AtlasChart> charts;

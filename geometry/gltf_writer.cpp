@@ -3,6 +3,7 @@
 #include <recede/geometry/detail/gltf_document.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/gltf_writer.h>
+#include <recede/geometry/raster.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -199,8 +200,9 @@ struct GltfBuilder::Impl {
   json document;
   std::string buffer;
   std::vector<Material> materials;
-  std::vector<Vec3> offsets;          // one per mesh
-  std::map<std::string, int> images;  // by path
+  std::vector<Vec3> offsets;                   // one per mesh
+  std::map<std::string, int> images;           // by path
+  std::map<const std::string*, int> pictures;  // images by their bytes, which materials hold
 
   int append(const char* list, json value) {
     json& array = document[list];
@@ -257,10 +259,27 @@ struct GltfBuilder::Impl {
                                 {"type", "SCALAR"}});
   }
 
-  int texture_number(const std::string& path) {
+  int add_image(const std::string& path, std::string_view picture) {
+    const char* const kind = picture_format(picture) == PictureFormat::jpeg ? "image/jpeg" : "image/png";
+    const int view = add_view(picture, {});
+    return append("images",
+                  {{"bufferView", view}, {"mimeType", kind}, {"extras", {{detail::k_picture_file, path}}}});
+  }
+
+  /// Its position in `images`: inside of the document where its bytes are known.
+  int image_number(const std::string& path, const PictureBytes& picture) {
+    if (picture && picture_format(*picture) != PictureFormat::unknown) {
+      const auto [image, is_new] = pictures.try_emplace(picture.get());
+      if (is_new) image->second = add_image(path, *picture);
+      return image->second;
+    }
     const auto [image, is_new] = images.try_emplace(path);
     if (is_new) image->second = append("images", {{"uri", detail::encode_percent(path)}});
-    return append("textures", {{"source", image->second}});
+    return image->second;
+  }
+
+  int texture_number(const std::string& path, const PictureBytes& picture) {
+    return append("textures", {{"source", image_number(path, picture)}});
   }
 
   int material_number(Material material, bool has_uvs) {
@@ -272,10 +291,11 @@ struct GltfBuilder::Impl {
     if (found != materials.end()) return static_cast<int>(found - materials.begin());
     json surface{{"baseColorFactor", clamped_color(material.base_color)}, {"metallicFactor", 0.0}};
     if (!material.base_color_texture.empty())
-      surface["baseColorTexture"] = {{"index", texture_number(material.base_color_texture)}};
+      surface["baseColorTexture"] = {
+          {"index", texture_number(material.base_color_texture, material.base_color_picture)}};
     json entry{{"pbrMetallicRoughness", std::move(surface)}, {"doubleSided", true}};
     if (!material.normal_texture.empty())
-      entry["normalTexture"] = {{"index", texture_number(material.normal_texture)}};
+      entry["normalTexture"] = {{"index", texture_number(material.normal_texture, material.normal_picture)}};
     if (!material.name.empty()) entry["name"] = material.name;
     if (material.alpha_cutoff) {
       entry["alphaMode"] = "MASK";
@@ -399,13 +419,8 @@ void GltfBuilder::paint_mesh(int mesh, const Material& material) {
   }
 }
 
-int GltfBuilder::add_picture(const std::string& path, std::string_view png) {
-  const int view = impl_->add_view(png, {});
-  const int image = impl_->append(
-      "images",
-      {{"bufferView", view}, {"mimeType", "image/png"}, {"extras", {{detail::k_picture_file, path}}}});
-  impl_->images[path] = image;
-  return image;
+int GltfBuilder::add_picture(const std::string& path, std::string_view picture) {
+  return impl_->images[path] = impl_->add_image(path, picture);
 }
 
 int GltfBuilder::add_node(int mesh, const std::string& name, const Eigen::Affine3d& placement) {

@@ -27,7 +27,7 @@ struct GltfMeshExtras {
 /// vertices split where the attributes of their corners differ. Positions are 32-bit floats; a mesh far from
 /// the origin is stored around its own centre, and its nodes carry the offset as their translation. Texture
 /// coordinates are turned from v up (OBJ, PLY) to glTF's v down. Equal materials of several meshes are
-/// written once.
+/// written once. Pictures that materials have are put into the document, others are named.
 class GltfBuilder {
  public:
   GltfBuilder();
@@ -46,9 +46,10 @@ class GltfBuilder {
   /// Gives the material to what has none of the mesh.
   void paint_mesh(int mesh, const Material& material);
 
-  /// Puts a PNG file into the document as what `path` names: materials that are added later and have it as a
-  /// texture refer to it. Our reader finds the path again. Returns its position in `images`.
-  int add_picture(const std::string& path, std::string_view png);
+  /// Puts a PNG or JPEG file into the document as what `path` names: materials that are added later, have it
+  /// as a texture and no picture, refer to it. Our reader finds the path again. Returns its position in
+  /// `images`.
+  int add_picture(const std::string& path, std::string_view picture);
 
   /// Adds a node that shows `mesh` (-1: none) and returns its position in `nodes`. It isn't in the scene yet.
   /// glTF wants placements without shear: a rotation after factors along the axes.

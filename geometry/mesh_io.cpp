@@ -4,10 +4,12 @@
 #include <recede/geometry/detail/mapped_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/texture.h>
 
 #include <fmt/format.h>
 
 #include <array>
+#include <iterator>
 #include <new>
 
 namespace recede {
@@ -47,13 +49,15 @@ void clear_undefined_normals(PolygonSoup& soup) {
   }
 }
 
-PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* progress) {
+PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* progress,
+                         std::vector<std::string>& left_aside) {
   PolygonSoup soup;
   {
     // The text goes as soon as it is read: it may be as large as the mesh.
     const std::string content = read_whole_file(path);
     const detail::InputFile file{path, path.string(), content, progress};
-    soup = format.read(file);
+    const bool is_gltf = format.extension == ".gltf" || format.extension == ".glb";
+    soup = is_gltf ? detail::read_gltf(file, left_aside) : format.read(file);
   }
   if (soup.positions.empty()) throw InputError::in_file(path.string(), "holds no vertices");
   clear_undefined_normals(soup);
@@ -69,13 +73,35 @@ void check_mesh_path(const fs::path& path) {
   detail::check_place(path);
 }
 
-PolygonSoup read_soup(const fs::path& path, Progress* progress) {
+namespace {
+
+PolygonSoup read_in_memory(const fs::path& path, Progress* progress, std::vector<std::string>& left_aside) {
   const Format& format = format_of(path);
   try {
-    return read_checked(format, path, progress);
+    return read_checked(format, path, progress, left_aside);
   } catch (const std::bad_alloc&) {
     throw InputError::in_file(path.string(), "doesn't fit in memory");
   }
+}
+
+}  // namespace
+
+PolygonSoup read_soup(const fs::path& path, Progress* progress) {
+  std::vector<std::string> left_aside;
+  return read_in_memory(path, progress, left_aside);
+}
+
+ReadSoup read_soup_with_pictures(const fs::path& path, Progress* progress) {
+  std::vector<std::string> left_aside;
+  ReadSoup read{read_in_memory(path, progress, left_aside), {}};
+  PictureLoader pictures(path.parent_path());
+  pictures.load(read.soup.materials);
+  read.report.steps.push_back(pictures.step());
+  if (!left_aside.empty()) {
+    read.report.steps.push_back(
+        {"read_soup", left_aside.size(), fmt::format("leaves {} aside", fmt::join(left_aside, ", "))});
+  }
+  return read;
 }
 
 std::optional<std::size_t> faces_in_pieces(const fs::path& path) {
@@ -104,7 +130,10 @@ void read_soup_in_pieces(const fs::path& path, std::size_t most_faces,
 }
 
 MeshFromSoup read_mesh(const fs::path& path, Progress* progress) {
-  return repair_to_polygon_mesh(read_soup(path, progress));
+  ReadSoup read = read_soup_with_pictures(path, progress);
+  MeshFromSoup repaired = repair_to_polygon_mesh(std::move(read.soup));
+  std::move(read.report.steps.begin(), read.report.steps.end(), std::back_inserter(repaired.report.steps));
+  return repaired;
 }
 
 WriteResult write_soup(const fs::path& path, const PolygonSoup& soup, const WriteOptions& options) {

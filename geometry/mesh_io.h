@@ -15,6 +15,15 @@ namespace recede {
 /// corners. Throws `InputError` with line or byte.
 PolygonSoup read_soup(const std::filesystem::path& path, Progress* progress = nullptr);
 
+struct ReadSoup {
+  PolygonSoup soup;
+  RepairReport report;
+};
+
+/// `read_soup` and the pictures that materials name (`PictureLoader`). The report says which of them can't be
+/// read, and what else the file holds that a soup has no place for.
+ReadSoup read_soup_with_pictures(const std::filesystem::path& path, Progress* progress = nullptr);
+
 /// Files that are larger than memory are read a piece at a time: binary PLY and binary STL. How many faces
 /// there will be, as the header promises; nothing for other files, which only `read_soup` reads. Throws
 /// `InputError`.
@@ -28,7 +37,7 @@ std::optional<std::size_t> faces_in_pieces(const std::filesystem::path& path);
 void read_soup_in_pieces(const std::filesystem::path& path, std::size_t most_faces,
                          const std::function<void(PolygonSoup)>& take, Progress* progress = nullptr);
 
-/// `read_soup`, then `repair_to_polygon_mesh`; the report says what each step changed.
+/// `read_soup_with_pictures`, then `repair_to_polygon_mesh`; the report says what each step changed.
 MeshFromSoup read_mesh(const std::filesystem::path& path, Progress* progress = nullptr);
 
 /// How a mesh is written. Formats that can't hold something (n-gons in STL and glTF, names in STL) write what

@@ -1,4 +1,4 @@
-// Samples on a grid, as picture files hold them, and PNG files of them.
+// Samples on a grid, as picture files hold them: PNG files are read and written, JPEG files read.
 #pragma once
 
 #include <cstddef>
@@ -41,6 +41,17 @@ std::string encode_png(const Raster& raster);
 /// spread over 8, transparent colours become a channel of opacity. `srgb` says whether the file has the chunk
 /// of that name. Throws `InputError` with `name` in front for anything else.
 Raster decode_png(std::string_view bytes, const std::string& name);
+
+/// What the bytes of a JPEG file hold: grey, or red, green and blue, 8 bits, encoded by sRGB. Throws
+/// `InputError` with `name` in front for anything else, files that are cut short or damaged, and those in
+/// print colours.
+Raster decode_jpeg(std::string_view bytes, const std::string& name);
+
+enum class PictureFormat { png, jpeg, unknown };
+/// By the file's first bytes.
+PictureFormat picture_format(std::string_view bytes);
+/// A PNG or a JPEG file. Throws `InputError` with `name` in front for others.
+Raster decode_picture(std::string_view bytes, const std::string& name);
 
 /// `decode_png` of a whole file.
 Raster read_png(const std::filesystem::path& path);

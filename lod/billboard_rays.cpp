@@ -38,8 +38,8 @@ void choose_face(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-BillboardRays::BillboardRays(const PolygonSoup& model, const BillboardCloud& cloud)
-    : model_(model), cloud_(cloud), attributes_(model) {
+BillboardRays::BillboardRays(const PolygonSoup& model, const BillboardCloud& cloud, double spacing)
+    : model_(model), cloud_(cloud), spacing_(spacing), attributes_(model) {
   const Box3 box = bounding_box(model);
   center_ = box.center();
   scale_ = box.sizes().maxCoeff() > 0 ? 1 / box.sizes().maxCoeff() : 1;
@@ -121,7 +121,7 @@ std::optional<BillboardSample> BillboardRays::sample_towards(std::size_t number,
   sample.is_own = cloud_.is_impostor || billboard_of_[hit.triangle] == number;
   sample.place = hit;
   sample.height = (reach - static_cast<double>(ray.ray.tfar)) * rise / scale_;
-  sample.color = attributes_.color_at(hit);
+  sample.color = attributes_.color_at(hit, spacing_);
   sample.normal = attributes_.normal_at(hit);
   // Both sides look alike; normals of the soup need not be on the front of their face.
   const Vec3 face =

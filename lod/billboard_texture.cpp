@@ -239,7 +239,7 @@ BillboardTextures texture_billboards(const PolygonSoup& model, const BillboardCl
   pack_billboards(textures.texel, options.gutter, textures);
   BillboardCloud turned = cloud;
   turned.billboards = textures.billboards;
-  const BillboardRays rays(model, turned);
+  const BillboardRays rays(model, turned, textures.texel / options.samples);
   const BillboardBaker baker(rays, textures.billboards, textures.texel, options);
   std::vector<TexelBlock> blocks(cloud.billboards.size());
   constexpr std::size_t k_at_once = 64;  // between two reports

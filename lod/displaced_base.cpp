@@ -60,7 +60,7 @@ DisplacementMap displacement_map_of(const BakedMaps& maps) {
 }
 
 DisplacedBase::DisplacedBase(const BakedMaps& maps, const LevelOptions& levels, Progress* progress)
-    : DisplacedBase(maps.surface, displacement_map_of(maps), levels, progress) {}
+    : DisplacedBase(colored_surface(maps), displacement_map_of(maps), levels, progress) {}
 
 DisplacedBase::DisplacedBase(const PolygonSoup& surface, DisplacementMap map, const LevelOptions& levels,
                              Progress* progress) {
@@ -94,8 +94,9 @@ void DisplacedBase::find_points(const PolygonSoup& surface) {
   Box3 box;
   for (const Vec3& position : positions_) box.extend(position);
   diagonal_ = box.diagonal().norm();
-  std::vector<Index> corners;
-  recede::triangulate(surface, nullptr, &corners);
+  materials_ = surface.materials;
+  std::vector<Index> faces, corners;
+  recede::triangulate(surface, &faces, &corners);
   n_input_ = corners.size() / 3;
   for (std::size_t c = 0; c < corners.size(); c += 3) {
     Triangle triangle;
@@ -103,6 +104,7 @@ void DisplacedBase::find_points(const PolygonSoup& surface) {
       triangle.points[k] = numbers[points[corners[c + k]]];
       triangle.uvs[k] = surface.corner_uvs[corners[c + k]];
     }
+    if (!surface.face_materials.empty()) triangle.material = surface.face_materials[faces[c / 3]];
     const auto& [p, q, r] = triangle.points;
     if (p != q && q != r && r != p) triangles_.push_back(triangle);
   }

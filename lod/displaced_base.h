@@ -25,7 +25,7 @@ class DisplacedBase {
   /// `DisplacementLevels` does, and `Cancelled`.
   DisplacedBase(const PolygonSoup& surface, DisplacementMap map, const LevelOptions& levels = {},
                 Progress* progress = nullptr);
-  /// The surface and the heights of baked maps.
+  /// The surface and the heights of baked maps, with the material of `colored_surface`.
   explicit DisplacedBase(const BakedMaps& maps, const LevelOptions& levels = {},
                          Progress* progress = nullptr);
 
@@ -35,6 +35,7 @@ class DisplacedBase {
     /// No lookup of any level for a point of it gives a height farther from 0, object units: not in its part
     /// of the map, as much again around, or in those of triangles that share a point with it.
     double reach = 0;
+    Index material = k_no_index;  ///< of `materials`
   };
 
   const std::vector<Vec3>& positions() const { return positions_; }
@@ -42,6 +43,7 @@ class DisplacedBase {
   const std::vector<Triangle>& triangles() const { return triangles_; }
   std::size_t n_input_triangles() const { return n_input_; }
   const DisplacementLevels& levels() const { return *levels_; }
+  const std::vector<Material>& materials() const { return materials_; }
   double largest_reach() const { return largest_reach_; }
   double diagonal() const { return diagonal_; }  ///< of the surface's box, object units
 
@@ -51,6 +53,7 @@ class DisplacedBase {
 
   std::vector<Vec3> positions_, directions_;
   std::vector<Triangle> triangles_;
+  std::vector<Material> materials_;
   std::size_t n_input_ = 0;
   double largest_reach_ = 0, diagonal_ = 0;
   std::unique_ptr<DisplacementMap> map_;  // levels refer to it

@@ -1,5 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/detail/fine_surface.h>
 #include <recede/lod/detail/map_seams.h>
 #include <recede/lod/detail/map_texels.h>
@@ -105,6 +106,7 @@ class Baker {
       AtlasOptions atlas = options_.atlas;
       atlas.packing.resolution = options_.size;
       maps_.surface.corner_uvs = make_atlas(joined, atlas, progress_).soup.corner_uvs;
+      drop_textures(maps_.surface.materials);
     }
     maps_.surface.corner_normals = detail::point_normals(maps_.surface);
     maps_.corner_tangents = detail::tangents_of(maps_.surface);
@@ -151,7 +153,10 @@ class Baker {
     heights_[texel] = place.height;
     if (!normals_.empty())
       normals_[texel] = to_tangent_space(point, surface.attributes().normal_at(place)).cast<float>();
-    if (!colors_.empty()) colors_[texel] = surface.attributes().color_at(place).cast<float>();
+    if (!colors_.empty()) {
+      const double width = triangles.texel_width(t, options_.size);
+      colors_[texel] = surface.attributes().color_at(place, width).cast<float>();
+    }
     return place.missed;
   }
 

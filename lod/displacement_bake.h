@@ -104,6 +104,10 @@ struct BakedMaps {
 BakedMaps bake_maps(const PolygonSoup& fine, const PolygonSoup& coarse, const MapOptions& options = {},
                     Progress* progress = nullptr);
 
+/// `maps.surface` with the colour map as its texture, instead of colours of its own; as it is where there is
+/// no colour map.
+PolygonSoup colored_surface(const BakedMaps& maps);
+
 struct DiceOptions {
   int parts = 0;  ///< pieces of each triangle's side; 0: pieces of about a texel, a million in all at most
   bool displace = true;  ///< move points by the displacement map, where there is one
@@ -111,7 +115,8 @@ struct DiceOptions {
 
 /// The surface that the maps stand for, as small triangles: every triangle of the coarse surface becomes
 /// `parts` squared, with points moved along their normals, and with the normals of the normal map, where
-/// there is one, at its corners. Same points on common sides of triangles but for differences across seams.
+/// there is one, at its corners. Colours are those of `colored_surface`. Same points on common sides of
+/// triangles but for differences across seams.
 PolygonSoup dice_surface(const BakedMaps& maps, const DiceOptions& options = {});
 
 /// How near the coarse surface comes to the fine one, object units, two-sided and sampled as by

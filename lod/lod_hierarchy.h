@@ -90,7 +90,13 @@ struct HierarchyFiles {
   std::filesystem::path folder;  ///< the hierarchy's own data: hierarchy.json and one PLY per level
   std::vector<std::filesystem::path> level_files;
   std::vector<std::uintmax_t> level_bytes;
-  std::vector<MapFiles> map_files{};  ///< one for each level
+  std::vector<MapFiles> map_files{};                ///< one for each level
+  std::vector<std::filesystem::path> level_glbs{};  ///< see `HierarchyWriteOptions`
+};
+
+struct HierarchyWriteOptions {
+  /// Also writes `<folder>/<name>_level_<number>.glb` for each level, for engines that don't know `MSFT_lod`.
+  bool glb_per_level = false;
 };
 
 /// Writes `<folder>/<name>.glb` and `<folder>/<name>.recede/`. The GLB holds triangles; the folder holds
@@ -102,7 +108,9 @@ struct HierarchyFiles {
 /// with opacity, which the GLB takes as a mask, normals and heights as PNG files; `extras.recede_billboards`
 /// of their mesh has the number of that of heights in `image`, `range` (object units: black to white is
 /// -range to range), and the cloud's `error`.
-HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy);
+/// Pictures that materials have (`Material::base_color_picture`) are in the GLB and beside the levels' files.
+HierarchyFiles write_hierarchy(const std::filesystem::path& folder, const LodHierarchy& hierarchy,
+                               const HierarchyWriteOptions& options = {});
 
 /// Reads what `write_hierarchy` wrote below `<name>.recede/`, maps too, but of what baking met only why there
 /// is an atlas, of assemblies the levels as a whole, and of billboards not the faces that they stand for.

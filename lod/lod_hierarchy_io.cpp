@@ -4,6 +4,7 @@
 #include <recede/geometry/gltf_writer.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/shading_normals.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/detail/map_surface.h>
 #include <recede/lod/lod_hierarchy.h>
 
@@ -56,7 +57,7 @@ class Pictures {
 };
 
 /// The level's surface with materials that name its maps. Where colours are baked, one material takes the
-/// place of all; textures of the input don't fit a new atlas.
+/// place of all.
 PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, Pictures& pictures) {
   PolygonSoup soup = maps.surface;
   if (!maps.color.samples.empty()) {
@@ -64,9 +65,6 @@ PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, Pictures
     pictures.add(level, "color");
     soup.materials = {{fmt::format("level {}", level), {1, 1, 1, 1}, pictures.path(level, "color")}};
     soup.face_materials.assign(soup.n_faces(), 0);
-  }
-  if (!maps.report.atlas_reason.empty() && maps.color.samples.empty()) {
-    for (Material& material : soup.materials) material.base_color_texture.clear();
   }
   if (maps.normal.samples.empty()) return soup;
   if (soup.face_materials.empty()) soup.face_materials.assign(soup.n_faces(), k_no_index);
@@ -76,7 +74,10 @@ PolygonSoup surface_with_maps(const BakedMaps& maps, std::size_t level, Pictures
   if (!soup.vertex_colors.empty()) rest.base_color.setOnes();
   soup.materials.push_back(rest);
   pictures.add(level, "normal");
-  for (Material& material : soup.materials) material.normal_texture = pictures.path(level, "normal");
+  for (Material& material : soup.materials) {
+    material.normal_texture = pictures.path(level, "normal");
+    material.normal_picture = nullptr;
+  }
   return soup;
 }
 
@@ -186,6 +187,14 @@ std::string to_glb(const LodHierarchy& hierarchy, const fs::path& folder) {
     finest["extras"]["MSFT_screencoverage"] = std::move(coverage);
     builder.document()["extensionsUsed"].push_back("MSFT_lod");
   }
+  return builder.to_glb();
+}
+
+/// One level alone.
+std::string level_to_glb(const LodHierarchy& hierarchy, std::size_t level, const fs::path& folder) {
+  GltfBuilder builder;
+  Pictures pictures(builder, hierarchy.name + ".recede", folder);
+  builder.add_to_scene(add_level(builder, pictures, hierarchy, level));
   return builder.to_glb();
 }
 
@@ -366,7 +375,8 @@ class StagedFolder {
 
 }  // namespace
 
-HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hierarchy) {
+HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hierarchy,
+                               const HierarchyWriteOptions& options) {
   std::error_code failed;
   fs::create_directories(folder, failed);
   if (failed) throw InputError::in_file(folder.string(), failed.message());
@@ -403,6 +413,10 @@ HierarchyFiles write_hierarchy(const fs::path& folder, const LodHierarchy& hiera
   const std::string list = document.dump(2, ' ', false, Json::error_handler_t::replace);
   write_file_atomically(staged.path() / "hierarchy.json", list + "\n");
   write_file_atomically(files.glb, to_glb(hierarchy, staged.path()));
+  for (std::size_t i = 0; i < hierarchy.levels.size() && options.glb_per_level; ++i) {
+    files.level_glbs.push_back(folder / fmt::format("{}_level_{}.glb", hierarchy.name, i));
+    write_file_atomically(files.level_glbs.back(), level_to_glb(hierarchy, i, staged.path()));
+  }
   staged.commit();
   return files;
 }
@@ -423,9 +437,11 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
       hierarchy.center[axis] = document.at("center").at(static_cast<std::size_t>(axis));
     hierarchy.radius = document.at("radius");
     hierarchy.source_faces = document.value("source_faces", std::size_t{0});
+    PictureLoader pictures(folder);
     for (const Json& entry : document.at("levels")) {
       LodLevel level;
       PolygonSoup soup = read_soup(folder / entry.at("file").get<std::string>());
+      if (!entry.contains("billboards")) pictures.load(soup.materials);
       level.mesh = to_polygon_mesh(soup);
       const Json& error = entry.at("error");
       level.error = {error.at("max"), error.at("rms"), error.at("bound")};

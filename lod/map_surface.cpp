@@ -208,6 +208,15 @@ Vec3 MapTriangles::weights(std::size_t triangle, const Vec2& point) const {
   return {first, second, 1 - first - second};
 }
 
+double MapTriangles::texel_width(std::size_t triangle, int size) const {
+  const auto position = [&](std::size_t k) -> const Vec3& {
+    return maps_.surface.positions[maps_.surface.corner_vertices[corner(triangle, k)]];
+  };
+  const double on_surface = (position(1) - position(0)).cross(position(2) - position(0)).norm();
+  const double in_map = std::abs(cross(uv(triangle, 1) - uv(triangle, 0), uv(triangle, 2) - uv(triangle, 0)));
+  return std::sqrt(on_surface / in_map) / size;
+}
+
 MapPlace MapTriangles::at(std::size_t triangle, const Vec3& weights) const {
   MapPlace point{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   for (std::size_t k = 0; k < 3; ++k) {

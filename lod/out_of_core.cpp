@@ -1,5 +1,6 @@
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/detail/chunk_distance.h>
 #include <recede/lod/detail/hierarchy_options.h>
 #include <recede/lod/detail/reduce_chunks.h>
@@ -149,8 +150,11 @@ class OutOfCoreBuilder {
       detail::ReducedSurface reduced =
           detail::reduce_chunks(chunks, most_faces_, side, limits_, options_.simplify, progress_);
       result_.passes = reduced.passes;
+      PictureLoader pictures(file_.parent_path());
+      pictures.load(reduced.soup.materials);
       MeshFromSoup repaired = repair_to_polygon_mesh(std::move(reduced.soup));
       result_.repairs = std::move(repaired.report);
+      result_.repairs.steps.push_back(pictures.step());
       return std::move(repaired.mesh);
     } catch (const InputError& error) {
       throw InputError::in_file(file_.string(), error.what());

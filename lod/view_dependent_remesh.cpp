@@ -34,6 +34,7 @@ class Remesher {
  public:
   Remesher(const DisplacedBase& base, const RemeshView& view, const RemeshOptions& options)
       : options_(options),
+        materials_(base.materials()),
         space_(view, options.triangle_pixels, nearest(base, options), base.largest_reach()),
         patches_(base, space_, options),
         heights_(base.levels(), options.footprint),
@@ -64,6 +65,7 @@ class Remesher {
     result.soup.face_offsets.resize(report_.triangles + 1);
     for (std::size_t f = 0; f <= report_.triangles; ++f)
       result.soup.face_offsets[f] = static_cast<Index>(3 * f);
+    set_materials(result.soup);
     result.report = report_;
     report_progress(progress, "dicing", 1);
     return result;
@@ -198,7 +200,17 @@ class Remesher {
                       [&](std::size_t c) { soup.corner_normals[c] = normals[mesh_.corners[c]]; });
   }
 
+  void set_materials(PolygonSoup& soup) const {
+    soup.materials = materials_;
+    if (materials_.empty()) return;
+    soup.face_materials.reserve(report_.triangles);
+    for (std::size_t t = 0; t < patches_.patches.size(); ++t)
+      soup.face_materials.insert(soup.face_materials.end(), mesh_.places[t].n_triangles,
+                                 patches_.patches[t].material);
+  }
+
   const RemeshOptions& options_;
+  const std::vector<Material>& materials_;
   GridSpace space_;
   ViewPatches patches_;
   FootprintHeights heights_;

@@ -57,7 +57,8 @@ struct RemeshReport {
 };
 
 struct RemeshResult {
-  PolygonSoup soup;  ///< triangles with `corner_uvs`, and `corner_normals` when asked for
+  /// Triangles with `corner_uvs` and the base's materials, and `corner_normals` when asked for.
+  PolygonSoup soup;
   RemeshReport report;
 };
 

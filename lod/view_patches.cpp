@@ -111,7 +111,10 @@ ViewPatches::ViewPatches(const DisplacedBase& base, const GridSpace& space, cons
                     [&](std::size_t p) { views[p] = space.view(positions[p]); });
   patches.reserve(base.triangles().size());
   for (const DisplacedBase::Triangle& triangle : base.triangles())
-    patches.push_back({.points = triangle.points, .uvs = triangle.uvs, .reach = triangle.reach});
+    patches.push_back({.points = triangle.points,
+                       .uvs = triangle.uvs,
+                       .reach = triangle.reach,
+                       .material = triangle.material});
   halve_uneven_edges(space, options);
   connect();
   collect_point_uses();

@@ -127,8 +127,10 @@ struct Baked {
   std::vector<double> left_out{};
 };
 
+/// What to write beside a hierarchy.
 struct ReportChoice {
   bool is_wanted = true;
+  HierarchyWriteOptions write;
   ReportOptions options;
 };
 
@@ -139,6 +141,7 @@ ReportChoice read_report_choice(const py::dict& from) {
   if (up.size() != 3) throw OptionError("up must have three numbers");
   report.options.up = {up[0], up[1], up[2]};
   read(from, "report", report.is_wanted);
+  read(from, "glb_per_level", report.write.glb_per_level);
   read(from, "viewer_triangles", report.options.viewer_triangles);
   return report;
 }
@@ -155,7 +158,7 @@ void read_errors_and_view(const py::dict& from, Options& options) {
 }
 
 void write(const fs::path& folder, Baked& baked, const ReportChoice& report, Progress* progress) {
-  baked.files = write_hierarchy(folder, baked.hierarchy);
+  baked.files = write_hierarchy(folder, baked.hierarchy, report.write);
   if (report.is_wanted)
     baked.report = write_report(folder, baked.hierarchy, baked.files, report.options, progress);
 }
@@ -300,7 +303,11 @@ void bind_mesh(py::module_& m) {
                                const Vec4& c = material.base_color;
                                return py::make_tuple(c[0], c[1], c[2], c[3]);
                              })
-      .def_readonly("base_color_texture", &Material::base_color_texture);
+      .def_readonly("base_color_texture", &Material::base_color_texture)
+      .def_property_readonly("base_color_picture", [](const Material& material) -> py::object {
+        if (!material.base_color_picture) return py::none();
+        return py::bytes(*material.base_color_picture);
+      });
   py::class_<RepairStep>(m, "RepairStep")
       .def_readonly("name", &RepairStep::name)
       .def_readonly("changed", &RepairStep::changed)
@@ -439,11 +446,16 @@ void bind_results(py::module_& m) {
           "levels",
           [](const py::object& self) { return levels_of(self.cast<const Baked&>().hierarchy, self); })
       .def_property_readonly("glb", [](const Baked& baked) { return baked.files.glb; })
+      .def_property_readonly("level_glbs", [](const Baked& baked) { return baked.files.level_glbs; })
       .def_property_readonly("folder", [](const Baked& baked) { return baked.files.folder; })
       .def_readonly("far_levels", &Baked::far_levels)
       .def_readonly("cad_levels", &Baked::cad_levels)
       .def_readonly("cad_parts", &Baked::cad_parts)
-      .def_property_readonly("source_faces", [](const Baked& baked) { return baked.hierarchy.source_faces; })
+      .def_property_readonly("source_faces",
+                             [](const Baked& baked) {
+                               const std::size_t faces = baked.hierarchy.source_faces;
+                               return faces > 0 ? std::optional(faces) : std::nullopt;
+                             })
       .def_readonly("left_out", &Baked::left_out)
       .def_property_readonly("map_files", [](const Baked& baked) { return baked.files.map_files; })
       .def_property_readonly("report", [](const Baked& baked) {

@@ -25,6 +25,7 @@ using detail::drawn_normals;
 using detail::embree_device;
 using detail::face_color;
 using detail::MeshData;
+using detail::MeshTextures;
 using detail::SceneData;
 using detail::SurfaceShape;
 using detail::throw_on_embree_error;
@@ -117,6 +118,17 @@ void copy_triangles(const PolygonSoup& soup, double scale, double crease_angle, 
   });
 }
 
+std::shared_ptr<const MeshTextures> textures_of(const PolygonSoup& soup) {
+  if (soup.corner_uvs.empty() || soup.face_materials.empty()) return nullptr;
+  auto result = std::make_shared<MeshTextures>(MeshTextures{{}, {}, BaseColorTextures(soup.materials)});
+  if (result->textures.empty()) return nullptr;
+  std::vector<Index> faces, corners;
+  triangulate(soup, &faces, &corners);
+  for (const Index face : faces) result->triangle_materials.push_back(soup.face_materials[face]);
+  for (const Index corner : corners) result->corner_uvs.emplace_back(soup.corner_uvs[corner].cast<float>());
+  return result;
+}
+
 void find_longest_sides(MeshData& mesh) {
   mesh.longest_sides.assign(mesh.positions.size(), 0.0f);
   for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
@@ -136,6 +148,7 @@ void add_mesh(const PolygonSoup& soup, double crease_angle, SceneData& data) {
   mesh.positions = scaled_positions(soup, data);
   copy_triangles(soup, data.scale, crease_angle, mesh);
   find_longest_sides(mesh);
+  mesh.textures = textures_of(soup);
   mesh.vertex_colors.reserve(soup.vertex_colors.size());
   for (const Vec4& color : soup.vertex_colors) mesh.vertex_colors.emplace_back(color.head<3>().cast<float>());
 }
@@ -331,10 +344,10 @@ Scene::Scene(const PolygonSoup& base, const DisplacementMap& heights,
 Scene::Scene(const BakedMaps& maps, const DisplacedMeshOptions& displacement, const SceneOptions& options)
     : data_(std::make_unique<detail::SceneData>()) {
   if (options.appearance) {
-    build_with_appearance(maps.surface, displacement_map_of(maps), maps, displacement, options);
+    build_with_appearance(colored_surface(maps), displacement_map_of(maps), maps, displacement, options);
     return;
   }
-  build_displaced(maps.surface, std::make_shared<DisplacedLook>(maps, displacement), options);
+  build_displaced(colored_surface(maps), std::make_shared<DisplacedLook>(maps, displacement), options);
 }
 
 void Scene::build_with_appearance(const PolygonSoup& base, const DisplacementMap& heights,

@@ -42,8 +42,8 @@ struct DisplacedLook;
 /// Surfaces in Embree. Holds its own copy: the input may go. Coordinates are taken relative to the middle of
 /// the models' bounding box and to its longest side before they are rounded to float, so that neither their
 /// place nor their size costs detail. Colours are the materials' base colours (light grey where a face
-/// has none) times the vertex colours; opacity and textures are not drawn. Corner normals are used where they
-/// exist and aren't zero.
+/// has none) times the vertex colours and the textures whose pictures are known; opacity is not drawn. Corner
+/// normals are used where they exist and aren't zero.
 class Scene {
  public:
   /// Throws `InputError` when there are no faces, `OptionError` for a ground without direction, and `Error`
@@ -64,8 +64,8 @@ class Scene {
   /// slopes of its heights, and as facets with a `crease_angle` of 0. Throws like `DisplacedMesh`.
   Scene(const PolygonSoup& base, const DisplacementMap& heights, const DisplacedMeshOptions& displacement,
         const SceneOptions& options = {});
-  /// The same for baked maps, shaded by their normal map where there is one. Throws `InputError` when they
-  /// have no displacement.
+  /// The same for baked maps, shaded by their normal map and coloured by their colour map where there is one.
+  /// Throws `InputError` when they have no displacement.
   Scene(const BakedMaps& maps, const DisplacedMeshOptions& displacement, const SceneOptions& options = {});
   ~Scene();
   Scene(Scene&&) noexcept;

@@ -1,5 +1,5 @@
 #include <recede/geometry/closest_point.h>
-#include <recede/geometry/raster.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/billboard_level.h>
 #include <recede/render/shell_level.h>
 #include <recede/shells/detail/volume_sampler.h>
@@ -26,6 +26,7 @@ class ViewFromAbove {
   ViewFromAbove(const TexturedShell& textured, const Rgb& matter_color)
       : textured_(textured),
         base_(textured.shell->base),
+        textures_(base_.materials),
         layer_(textured.layer()),
         texture_(textured.texture->surfaces.front()),
         matter_color_(matter_color),
@@ -44,7 +45,7 @@ class ViewFromAbove {
 
     Seen seen{.area = vector_area(base_, triangle).norm()};
     ShellPlace place{triangle, weights, is_inward_ ? 1.0 : 0.0};
-    seen.color = color_of_base(triangle, weights);
+    seen.color = color_of_base(triangle, weights, uv);
     // Steps of half a texel; then the place where opacity is a half.
     const int steps = 2 * texture_.size[2];
     const auto at_depth = [&](double depth) { return Vec3(st.x(), st.y(), is_inward_ ? depth : 1 - depth); };
@@ -68,12 +69,13 @@ class ViewFromAbove {
 
  private:
   // As scenes draw it: vertex colours are factors.
-  Rgb color_of_base(Index triangle, const Vec3& weights) const {
+  Rgb color_of_base(Index triangle, const Vec3& weights, const Vec2& uv) const {
     const bool has_factors = !base_.vertex_colors.empty();
     const Index material = base_.face_materials.empty() ? k_no_index : base_.face_materials[triangle];
     Vec3 color = material != k_no_index ? Vec3(base_.materials[material].base_color.head<3>())
                  : has_factors          ? Vec3(Vec3::Ones())
                                         : Vec3(Material{}.base_color.head<3>());
+    if (const Texture* texture = textures_.of(material)) color = color.cwiseProduct(texture->color_at(uv));
     if (!has_factors) return color.cast<float>();
     Vec3 factor = Vec3::Zero();
     for (std::size_t k = 0; k < 3; ++k)
@@ -117,6 +119,7 @@ class ViewFromAbove {
 
   const TexturedShell& textured_;
   const PolygonSoup& base_;
+  BaseColorTextures textures_;
   const ShellLayer& layer_;
   const VolumeTexture& texture_;
   Rgb matter_color_;

@@ -103,6 +103,7 @@ SurfaceLook look_of(const SceneData& scene, const Hit& any_hit, const Vec3f& dir
   look.normal =
       squared < 1e-12f ? Vec3f(hit.front.stableNormalized()) : Vec3f(look.normal / std::sqrt(squared));
   if (hit.front.dot(direction) > 0) look.normal = -look.normal;
+  if (mesh.textures) look.albedo = look.albedo.cwiseProduct(mesh.textures->color_at(triangle, weights));
   if (!mesh.vertex_colors.empty()) {
     Rgb factor = Rgb::Zero();
     for (std::size_t k = 0; k < 3; ++k)

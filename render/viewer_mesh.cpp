@@ -1,6 +1,6 @@
 #include <recede/geometry/detail/base64.h>
 #include <recede/geometry/error.h>
-#include <recede/geometry/raster.h>
+#include <recede/geometry/texture.h>
 #include <recede/render/detail/surface_look.h>
 #include <recede/render/detail/viewer_mesh.h>
 #include <recede/render/scene.h>
@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace recede::detail {
 
@@ -107,6 +108,39 @@ std::string compressed(const std::string& bytes) {
   return result;
 }
 
+/// Colours at corners: textures are blurred as the space between vertices is wide.
+class CornerColors {
+ public:
+  CornerColors(const PolygonSoup& level, std::span<const Index> corners)
+      : level_(level), textures_(level.corner_uvs.empty() ? std::vector<Material>{} : level.materials) {
+    if (textures_.empty()) return;
+    double area = 0;
+    for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
+      const Vec2 a = level.corner_uvs[corners[c + 1]] - level.corner_uvs[corners[c]],
+                 b = level.corner_uvs[corners[c + 2]] - level.corner_uvs[corners[c]];
+      area += std::abs(a.x() * b.y() - a.y() * b.x());
+    }
+    width_ = std::sqrt(area / static_cast<double>(corners.size() / 3));
+  }
+
+  Rgb at(Index face, Index corner) const {
+    Rgb color = face_color(level_, face);
+    const Index material = level_.face_materials.empty() ? k_no_index : level_.face_materials[face];
+    if (const Texture* texture = textures_.of(material))
+      color = color.cwiseProduct(texture->color_at(level_.corner_uvs[corner], width_).cast<float>());
+    if (!level_.vertex_colors.empty()) {
+      const Vec4& factor = level_.vertex_colors[level_.corner_vertices[corner]];
+      color = color.cwiseProduct(factor.head<3>().cast<float>());
+    }
+    return color;
+  }
+
+ private:
+  const PolygonSoup& level_;
+  BaseColorTextures textures_;
+  double width_ = 0;  // in texture coordinates
+};
+
 }  // namespace
 
 ViewerMesh viewer_mesh(const PolygonSoup& level, const Box3& box, const ClosestPointTree& input) {
@@ -114,14 +148,12 @@ ViewerMesh viewer_mesh(const PolygonSoup& level, const Box3& box, const ClosestP
   std::vector<Index> faces, corners;
   triangulate(level, &faces, &corners);
   const std::vector<Vec3> normals = drawn_normals(level, SceneOptions{}.crease_angle);
+  const CornerColors colors(level, corners);
   Vertices vertices(level.positions.size());
   mesh.indices.reserve(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Index point = level.corner_vertices[corners[i]];
-    Rgb color = face_color(level, faces[i / 3]);
-    if (!level.vertex_colors.empty())
-      color = color.cwiseProduct(level.vertex_colors[point].head<3>().cast<float>());
-    const Look look{octahedral(normals[corners[i]]), bytes_of(color)};
+    const Look look{octahedral(normals[corners[i]]), bytes_of(colors.at(faces[i / 3], corners[i]))};
     mesh.indices.push_back(vertices.find_or_add(point, look));
   }
 

@@ -1,3 +1,4 @@
+#include <recede/geometry/atomic_file.h>
 #include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
 
@@ -7,6 +8,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace recede::detail {
 
@@ -93,6 +95,60 @@ std::vector<std::string> left_out(const PolygonSoup& soup, const FormatAbility& 
   if (!ability.materials) add(soup.materials.size(), "material", "materials");
   if (!ability.feature_edges) add(soup.feature_edges.size(), "feature edge", "feature edges");
   return result;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Puts pictures beside a file.
+class PicturePlacer {
+ public:
+  PicturePlacer(const fs::path& file, OutputFile& output) : file_(file), output_(output) {}
+
+  std::string name_of(const std::string& texture, const std::string& picture) {
+    if (holds(file_.parent_path() / texture, picture)) return texture;
+    const std::string own = fs::path(texture).filename().string(), stem = file_.stem().string();
+    std::string name = own;
+    for (int k = 1; is_taken(name, picture); ++k)
+      name = k == 1 ? fmt::format("{}_{}", stem, own) : fmt::format("{}_{}_{}", stem, k, own);
+    output_.beside.emplace_back(file_.parent_path() / name, picture);
+    return name;
+  }
+
+ private:
+  static bool holds(const fs::path& file, const std::string& content) {
+    std::error_code failed;
+    return fs::is_regular_file(file, failed) && fs::file_size(file, failed) == content.size() &&
+           read_whole_file(file) == content;
+  }
+  bool is_taken(const std::string& name, const std::string& picture) const {
+    const fs::path path = file_.parent_path() / name;
+    for (const auto& [beside, content] : output_.beside) {
+      if (beside == path) return true;
+    }
+    std::error_code ignored;
+    return fs::exists(path, ignored) && !holds(path, picture);
+  }
+
+  const fs::path& file_;
+  OutputFile& output_;
+};
+
+}  // namespace
+
+std::vector<Material> with_pictures_beside(const fs::path& path, std::vector<Material> materials,
+                                           OutputFile& output) {
+  PicturePlacer placer(path, output);
+  std::map<const std::string*, std::string> names;
+  for (Material& material : materials) {
+    const PictureBytes& picture = material.base_color_picture;
+    if (!picture) continue;
+    const auto [name, is_new] = names.try_emplace(picture.get());
+    if (is_new) name->second = placer.name_of(material.base_color_texture, *picture);
+    material.base_color_texture = name->second;
+  }
+  return materials;
 }
 
 float to_float(double value) {

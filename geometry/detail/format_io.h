@@ -97,6 +97,12 @@ std::vector<std::string> left_out(const PolygonSoup& soup, const FormatAbility& 
 /// The same for glTF.
 std::vector<std::string> left_out_of_gltf(const PolygonSoup& soup);
 
+/// The materials of a file at `path`, whose format holds no pictures, with textures that are found from
+/// there: pictures that aren't there go beside the file, under the last part of their names, and behind the
+/// file's own name where another file has that.
+std::vector<Material> with_pictures_beside(const std::filesystem::path& path, std::vector<Material> materials,
+                                           OutputFile& output);
+
 /// `value` as the float that a 32-bit file holds. Throws `InputError` when it exceeds the range of floats.
 float to_float(double value);
 
@@ -124,6 +130,8 @@ PolygonSoup read_ply(const InputFile& file, std::vector<Vec3>& vertex_normals);
 PolygonSoup read_stl(const InputFile& file);
 PolygonSoup read_off(const InputFile& file);
 PolygonSoup read_gltf(const InputFile& file);
+/// The same, and a phrase for each kind of thing that the file has beside it: levels, skins, animations.
+PolygonSoup read_gltf(const InputFile& file, std::vector<std::string>& left_aside);
 
 OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup,
                       const WriteOptions& options);

@@ -211,16 +211,19 @@ void GltfDocument::check_version_and_extensions() const {
 
 GltfValue GltfDocument::element(const char* list, std::size_t index) const { return root()[list].at(index); }
 
+std::string GltfDocument::decode_data_uri(const GltfValue& value, std::string_view uri) {
+  constexpr std::string_view k_encoding = ";base64,";
+  const std::size_t comma = uri.find(k_encoding);
+  if (comma == uri.npos) value.fail("has a data URI that isn't base64");
+  std::optional<std::string> bytes = decode_base64(uri.substr(comma + k_encoding.size()));
+  if (!bytes) value.fail("has a data URI that isn't base64");
+  return std::move(*bytes);
+}
+
 std::string GltfDocument::load_buffer(const GltfValue& buffer) const {
   const std::string uri = buffer["uri"].text_or("");
   if (uri.empty()) buffer.fail("has no data");
-  if (uri.starts_with("data:")) {
-    const std::size_t comma = uri.find(";base64,");
-    if (comma == uri.npos) buffer.fail("has a data URI that isn't base64");
-    std::optional<std::string> bytes = decode_base64(std::string_view(uri).substr(comma + 8));
-    if (!bytes) buffer.fail("has a data URI that isn't base64");
-    return std::move(*bytes);
-  }
+  if (uri.starts_with("data:")) return decode_data_uri(buffer, uri);
   const std::string relative = decode_percent(uri);
   if (relative.find("://") != relative.npos) buffer.fail("isn't a local file: " + in_quotes(uri));
   if (std::any_of(relative.begin(), relative.end(), [](unsigned char c) { return c < ' '; })) {
@@ -243,11 +246,11 @@ std::string_view GltfDocument::buffer_bytes(std::size_t index) {
   return bytes.substr(0, length);
 }
 
-std::string_view GltfDocument::view_bytes(const GltfValue& accessor, std::size_t index) {
+std::string_view GltfDocument::view_bytes(const GltfValue& user, std::size_t index) {
   const GltfValue view = element("bufferViews", index);
   for (const char* compression : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     if (!view["extensions"][compression]) continue;
-    accessor.fail(fmt::format("needs the extension {}, which isn't supported", compression));
+    user.fail(fmt::format("needs the extension {}, which isn't supported", compression));
   }
   const std::string_view bytes = buffer_bytes(view["buffer"].integer());
   const std::size_t offset = view["byteOffset"].integer_or(0);
@@ -301,6 +304,13 @@ GltfValues GltfDocument::read_accessor(std::size_t index) {
     }
   }
   return result;
+}
+
+std::optional<std::string> GltfDocument::read_picture(const GltfValue& image) {
+  if (image["bufferView"]) return std::string(view_bytes(image, image["bufferView"].integer()));
+  const std::string uri = image["uri"].text_or("");
+  if (!uri.starts_with("data:")) return std::nullopt;
+  return decode_data_uri(image, uri);
 }
 
 std::vector<std::uint32_t> GltfDocument::read_indices(std::size_t index) {

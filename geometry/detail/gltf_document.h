@@ -76,6 +76,8 @@ class GltfDocument {
   /// An element of a top-level list: `element("meshes", 2)`. Throws when there is none.
   GltfValue element(const char* list, std::size_t index) const;
   GltfValues read_accessor(std::size_t index);
+  /// The bytes of an image that is inside of the file; nothing when it is a file of its own.
+  std::optional<std::string> read_picture(const GltfValue& image);
   /// Indices of a primitive.
   std::vector<std::uint32_t> read_indices(std::size_t index);
 
@@ -90,9 +92,10 @@ class GltfDocument {
   void parse_json(std::string_view text, std::size_t offset);
   void check_version_and_extensions() const;
   Layout layout_of(std::size_t accessor);
-  std::string_view view_bytes(const GltfValue& accessor, std::size_t view);
+  std::string_view view_bytes(const GltfValue& user, std::size_t view);
   std::string_view buffer_bytes(std::size_t index);
   std::string load_buffer(const GltfValue& buffer) const;
+  static std::string decode_data_uri(const GltfValue& value, std::string_view uri);
 
   const InputFile& file_;
   nlohmann::json json_;

@@ -2,11 +2,13 @@
 // from the top) to those of OBJ and PLY (v up from the bottom). Skins, animations and morph targets are left
 // aside: what is read is the model at rest.
 #include <recede/geometry/detail/gltf_document.h>
+#include <recede/geometry/raster.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 namespace recede::detail {
 
@@ -69,6 +71,22 @@ class GltfReader {
     return std::move(soup_);
   }
 
+  /// After `read`.
+  std::vector<std::string> left_aside() const {
+    std::vector<std::string> result;
+    const auto add = [&](std::size_t count, const char* one, const char* many) {
+      if (count > 0) result.push_back(fmt::format("{} {}", count, count == 1 ? one : many));
+    };
+    const auto levels = std::count(coarser_level_.begin(), coarser_level_.end(), true);
+    add(static_cast<std::size_t>(levels), "coarser level of detail", "coarser levels of detail");
+    add(root_["animations"].size(), "animation", "animations");
+    add(root_["skins"].size(), "skin", "skins");
+    add(n_with_targets_, "surface's morph targets", "surfaces' morph targets");
+    add(n_other_textures_, "texture that is neither PNG nor JPEG", "textures that are neither PNG nor JPEG");
+    add(n_points_and_lines_, "list of points or lines", "lists of points or lines");
+    return result;
+  }
+
  private:
   struct Visit {
     std::size_t node;
@@ -88,9 +106,9 @@ class GltfReader {
       material.name = materials.at(i)["name"].text_or("");
       material.base_color = surface["baseColorFactor"].vector_or(Vec4(1, 1, 1, 1));
       const GltfValue texture = surface["baseColorTexture"]["index"];
-      if (texture) material.base_color_texture = image_path(texture.integer());
+      if (texture) read_texture(texture, material.base_color_texture, material.base_color_picture);
       const GltfValue normals = materials.at(i)["normalTexture"]["index"];
-      if (normals) material.normal_texture = image_path(normals.integer());
+      if (normals) read_texture(normals, material.normal_texture, material.normal_picture);
       if (materials.at(i)["alphaMode"].text_or("OPAQUE") == "MASK") {
         const GltfValue cutoff = materials.at(i)["alphaCutoff"];
         material.alpha_cutoff = cutoff ? cutoff.number() : 0.5;
@@ -99,14 +117,28 @@ class GltfReader {
     }
   }
 
-  // Images inside the file have no path that a material could name, but for those that our writer put there.
-  std::string image_path(std::size_t texture) const {
-    const GltfValue source = document_.element("textures", texture)["source"];
-    if (!source) return {};
-    const GltfValue image = document_.element("images", source.integer());
-    if (image["bufferView"]) return image["extras"][k_picture_file].text_or("");
-    const std::string uri = image["uri"].text_or("");
-    return uri.starts_with("data:") ? std::string() : decode_percent(uri);
+  // Images inside the file have a number for a name, but for those that our writer put there.
+  void read_texture(const GltfValue& number, std::string& name, PictureBytes& picture) {
+    const GltfValue source = document_.element("textures", number.integer())["source"];
+    if (!source) {
+      ++n_other_textures_;
+      return;
+    }
+    const std::size_t index = source.integer();
+    const GltfValue image = document_.element("images", index);
+    const auto [known, is_new] = pictures_.try_emplace(index);
+    if (is_new) {
+      if (std::optional<std::string> bytes = document_.read_picture(image))
+        known->second = std::make_shared<const std::string>(std::move(*bytes));
+    }
+    picture = known->second;
+    if (!picture) {
+      name = decode_percent(image["uri"].text_or(""));
+      return;
+    }
+    const bool is_jpeg = picture_format(*picture) == PictureFormat::jpeg;
+    name =
+        image["extras"][k_picture_file].text_or(fmt::format("image_{}.{}", index, is_jpeg ? "jpg" : "png"));
   }
 
   // MSFT_lod: the node that has the extension is the finest level; those that it lists stand for it further
@@ -168,7 +200,9 @@ class GltfReader {
       const std::size_t mode = primitives.at(i)["mode"].integer_or(4);
       if (mode > 6) primitives.at(i).fail(fmt::format("has the unknown mode {}", mode));
       // Points and lines aren't surfaces.
+      if (mode < 4) ++n_points_and_lines_;
       if (mode >= 4 && primitives.at(i)["attributes"]["POSITION"]) {
+        if (primitives.at(i)["targets"].size() > 0) ++n_with_targets_;
         read_primitive(primitives.at(i), static_cast<Mode>(mode), transform);
       }
     }
@@ -296,16 +330,25 @@ class GltfReader {
   const InputFile& file_;
   GltfDocument document_;
   GltfValue root_;
-  std::vector<Index> material_numbers_;  // of the file's materials
+  std::vector<Index> material_numbers_;           // of the file's materials
+  std::map<std::size_t, PictureBytes> pictures_;  // of its images
   PolygonSoup soup_;
   std::vector<bool> coarser_level_;
   std::vector<bool> visited_;
   std::vector<Visit> to_visit_;
   std::size_t n_faces_before_ = 0;  // the present primitive
+  std::size_t n_with_targets_ = 0, n_points_and_lines_ = 0, n_other_textures_ = 0;
 };
 
 }  // namespace
 
 PolygonSoup read_gltf(const InputFile& file) { return GltfReader(file).read(); }
+
+PolygonSoup read_gltf(const InputFile& file, std::vector<std::string>& left_aside) {
+  GltfReader reader(file);
+  PolygonSoup soup = reader.read();
+  left_aside = reader.left_aside();
+  return soup;
+}
 
 }  // namespace recede::detail

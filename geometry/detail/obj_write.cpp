@@ -134,7 +134,8 @@ OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup
   TextWriter out;
   out << "# Written by Recede\n";
   std::size_t renamed = 0;
-  const std::vector<Material> materials = with_distinct_names(soup.materials, renamed);
+  const std::vector<Material> materials =
+      with_distinct_names(with_pictures_beside(path, soup.materials, output), renamed);
   if (!materials.empty()) {
     const std::filesystem::path library = std::filesystem::path(path).replace_extension(".mtl");
     out << "mtllib " << library.filename().string() << '\n';

@@ -70,7 +70,8 @@ Layout layout_of(const PolygonSoup& soup, const WriteOptions& options) {
           soup.positions.size() > (std::size_t{1} << 31)};
 }
 
-void write_header(TextWriter& out, const PolygonSoup& soup, const Layout& layout, bool ascii) {
+void write_header(TextWriter& out, const PolygonSoup& soup, const std::vector<Material>& materials,
+                  const Layout& layout, bool ascii) {
   const std::string_view real = layout.double_reals ? "double" : "float";
   const std::string_view color = layout.byte_colors ? "uchar" : real;
   const std::string_view count = layout.wide_counts ? "uint" : "uchar";
@@ -82,9 +83,8 @@ void write_header(TextWriter& out, const PolygonSoup& soup, const Layout& layout
     out << "property list " << count << ' ' << type << ' ' << name << '\n';
   };
   out << "ply\nformat " << (ascii ? "ascii" : "binary_little_endian") << " 1.0\ncomment Written by Recede\n";
-  for (std::size_t i = 0; i < soup.materials.size(); ++i) {
-    out << "comment " << format_material_comment(i, soup.materials[i]) << '\n';
-  }
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    out << "comment " << format_material_comment(i, materials[i]) << '\n';
   out << "element vertex " << soup.positions.size() << '\n';
   properties(real, {"x", "y", "z"});
   if (!soup.vertex_colors.empty()) properties(color, {"red", "green", "blue", "alpha"});
@@ -210,14 +210,14 @@ OutputFile format_ply(const std::filesystem::path& path, const PolygonSoup& soup
     return output;
   }
   const Layout layout = layout_of(soup, options);
+  OutputFile output;
   TextWriter out;
-  write_header(out, soup, layout, options.ascii);
+  write_header(out, soup, with_pictures_beside(path, soup.materials, output), layout, options.ascii);
   if (options.ascii) {
     BodyWriter<AsciiSink>(out, layout).write(soup);
   } else {
     BodyWriter<BinarySink>(out, layout).write(soup);
   }
-  OutputFile output;
   output.content = out.take();
   if (!layout.double_reals && loses_digits_as_float(soup))
     output.written_without.emplace_back(k_rounded_positions);

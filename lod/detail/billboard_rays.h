@@ -23,8 +23,8 @@ struct BillboardSample {
 /// Faces of a model in Embree.
 class BillboardRays {
  public:
-  /// Keeps references.
-  BillboardRays(const PolygonSoup& model, const BillboardCloud& cloud);
+  /// Keeps references. Textures of the model are averaged over `spacing`, that of rays, object units.
+  BillboardRays(const PolygonSoup& model, const BillboardCloud& cloud, double spacing = 0);
   ~BillboardRays();
   BillboardRays(const BillboardRays&) = delete;
   BillboardRays& operator=(const BillboardRays&) = delete;
@@ -41,6 +41,7 @@ class BillboardRays {
  private:
   const PolygonSoup& model_;
   const BillboardCloud& cloud_;
+  double spacing_;
   SurfaceAttributes attributes_;
   std::vector<Index> billboard_of_;  // triangle
   std::vector<Vec3> normals_;        // of triangles

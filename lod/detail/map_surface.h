@@ -47,6 +47,8 @@ class MapTriangles {
   }
   /// Weights of the corners at a texture coordinate, which may lie outside.
   Vec3 weights(std::size_t triangle, const Vec2& uv) const;
+  /// About how wide a texel of a map of `size` is on the triangle, object units.
+  double texel_width(std::size_t triangle, int size) const;
   /// The place with these weights; outside of the triangle, its continuation.
   MapPlace at(std::size_t triangle, const Vec3& weights) const;
 

@@ -13,6 +13,7 @@ struct ViewPatch {
   std::array<Vec2, 3> uvs;
   std::array<Index, 3> edges{};  ///< from corner k to the next
   double reach = 0;              ///< see `DisplacedBase::Triangle`
+  Index material = k_no_index;
   bool culled = false;
 };
 

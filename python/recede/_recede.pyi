@@ -31,6 +31,8 @@ class Material:
     def base_color(self) -> tuple[float, float, float, float]: ...
     @property
     def base_color_texture(self) -> str: ...
+    @property
+    def base_color_picture(self) -> Optional[bytes]: ...
 
 class RepairStep:
     @property
@@ -370,6 +372,9 @@ class BakeResult:
     @property
     def glb(self) -> Path: ...
     @property
+    def level_glbs(self) -> list[Path]:
+        """One for each level, with `glb_per_level`"""
+    @property
     def folder(self) -> Path: ...
     @property
     def map_files(self) -> list[MapFiles]:
@@ -386,8 +391,8 @@ class BakeResult:
     def cad_parts(self) -> list[CadSeams]:
         """Of CAD models, one for each part"""
     @property
-    def source_faces(self) -> int:
-        """Of a file that was larger than memory; else 0"""
+    def source_faces(self) -> Optional[int]:
+        """Of a file that was larger than memory; else None"""
     @property
     def left_out(self) -> list[float]:
         """Levels that would be finer than level 0 of such a file: faces, or errors in object units"""

@@ -43,7 +43,7 @@ def bake(surface: Mesh | CadModel | Path, folder: Path, *, name: str = "model", 
          distances: Sequence[float] | None = None, image_height: float = 1080, field_of_view: float = 45,
          pixel_error: float = 1, maps: Sequence[str] = (), map_size: int = 1024, map_format: str = "png",
          map_normal_bits: int = 8, map_seam_weight: float | None = None, up: Sequence[float] = (0, 1, 0),
-         report: bool = True, viewer_triangles: int = 200_000, billboards: bool = True, gap: float = 0,
+         report: bool = True, viewer_triangles: int = 200_000, billboards: bool = True, glb_per_level: bool = False, gap: float = 0,
          use_connectivity: bool = True, memory: int | None = None, progress: Progress | None = None,
          **options: Any) -> BakeResult:
     """A hierarchy of levels in `folder`: `<name>.glb` with all levels, `<name>.recede/`, and report.html.
@@ -61,6 +61,9 @@ def bake(surface: Mesh | CadModel | Path, folder: Path, *, name: str = "model", 
     Where billboards look more like the mesh from far away than triangles of as many bytes they become the last levels;
     `result.far_levels` says why or why not. `billboards` False doesn't try them.
 
+    `glb_per_level` also writes `<name>_level_<number>.glb` for each level, named by `result.level_glbs`, for engines that don't
+    know `MSFT_lod`.
+
     A CAD model (`read_cad`) becomes triangles of its NURBS surfaces, see docs/cad.md: its levels are chosen by `errors`,
     `relative_errors` (0.0003, 0.001, 0.003, 0.01, 0.03 when nothing is given) or `distances`, and the first error is that of
     level 0. `gap` is the widest between patches that is sewn up, units of the model (0: half of the finest error);
@@ -70,14 +73,14 @@ def bake(surface: Mesh | CadModel | Path, folder: Path, *, name: str = "model", 
 
     With `memory`, bytes that the process may take (at least 256 MiB), `surface` is the path of a mesh file. One that is larger
     (binary PLY or STL) is baked in chunks, see docs/out-of-core.md: level 0 has as many faces as fit, errors are those to the
-    file, `result.source_faces` is the number of its faces (else 0), and `result.left_out` has the levels that would be finer
+    file, `result.source_faces` is the number of its faces (else None), and `result.left_out` has the levels that would be finer
     than level 0.
     """
     levels = {"faces": list(faces or []), "ratios": list(ratios or []), "errors": list(errors or []),
               "relative_errors": list(relative_errors or []), "distances": list(distances or []),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
               "up": list(up), "report": report, "viewer_triangles": viewer_triangles, "billboards": billboards,
-              "gap": gap, "use_connectivity": use_connectivity,
+              "glb_per_level": glb_per_level, "gap": gap, "use_connectivity": use_connectivity,
               **map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = simplify_options(options)
     if isinstance(surface, CadModel):

@@ -1,7 +1,7 @@
 // The inside of a Scene, for the renderer only.
 #pragma once
 
-#include <recede/geometry/vec.h>
+#include <recede/geometry/texture.h>
 #include <recede/render/image.h>
 
 #include <embree3/rtcore.h>
@@ -17,6 +17,22 @@ class BillboardLook;
 struct DisplacedLook;
 class VolumeLook;
 
+/// Base colours by texture coordinates, which are factors of those of triangles.
+struct MeshTextures {
+  std::vector<Eigen::Vector2f> corner_uvs;        ///< three a triangle
+  std::vector<std::uint32_t> triangle_materials;  ///< of `textures`
+  BaseColorTextures textures;
+
+  /// `weights` are those of the triangle's corners.
+  Rgb color_at(std::uint32_t triangle, const Eigen::Vector3f& weights) const {
+    const Texture* const texture = textures.of(triangle_materials[triangle]);
+    if (texture == nullptr) return Rgb::Ones();
+    Eigen::Vector2f uv = Eigen::Vector2f::Zero();
+    for (std::size_t k = 0; k < 3; ++k) uv += weights[static_cast<int>(k)] * corner_uvs[3 * triangle + k];
+    return texture->color_at(uv.cast<double>()).cast<float>();
+  }
+};
+
 /// A mesh in Embree, the base of a displaced surface there, or billboards. Lengths and places are those of
 /// the scaled scene.
 struct MeshData {
@@ -24,7 +40,8 @@ struct MeshData {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Eigen::Vector3f> corner_normals;  ///< three a triangle, on the side of its front; or (0,0,0)
   std::vector<Rgb> triangle_colors;
-  std::vector<Rgb> vertex_colors;  ///< factors, or empty
+  std::vector<Rgb> vertex_colors;                     ///< factors, or empty
+  std::shared_ptr<const MeshTextures> textures = {};  ///< null: none
   /// Bit k: the side from vertex k to vertex k + 1 is a side of the polygon, not a diagonal.
   std::vector<std::uint8_t> polygon_sides;
   std::vector<float> polygon_areas;                      ///< of the polygon that the triangle belongs to

@@ -1,9 +1,13 @@
 // `recede bake`: the levels, the files, and what the GLB says of them.
+#include "pictures.h"
 #include "run_recede.h"
 #include <recede/geometry/exr.h>
 #include <recede/geometry/mesh_io.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -360,6 +364,68 @@ TEST(BakeCommand, SaysWhatMemoryCantDo) {
               HasSubstr("text.obj: may have more than"));
   std::filesystem::resize_file(sphere, std::filesystem::file_size(sphere) - 10);
   EXPECT_THAT(complaint({"--memory", "256M"}, 1), HasSubstr("sphere.ply: byte"));
+}
+
+TEST(BakeCommand, PutsTexturesIntoTheGlbAndBakesTheirColours) {
+  const TempFolder folder;
+  ASSERT_EQ(run_recede({"atlas", write_sphere(folder, 500), "-o", folder / "ball.obj"}).status, 0);
+  std::string obj = read_whole_file(folder / "ball.obj");
+  obj.insert(0, "mtllib skin.mtl\nusemtl skin\n");
+  folder.write("skin.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd skin.png\n");
+  folder.write("ball.obj", obj);
+  const std::vector<std::string> bake{"bake",         folder / "ball.obj", "-o",
+                                      folder / "out", "--ratios",          "0.5",
+                                      "--json",       "--no-report",       "--no-billboards"};
+  const CommandResult without = run_recede(bake);
+  EXPECT_THAT(without.remarks, HasSubstr("load_pictures: texture skin.png: No such file"));
+  EXPECT_EQ(json_of(without).at("repairs").back().at("changed"), 1);
+  folder.write("skin.png", encode_png(raster_of(1, 1, {{200, 100, 50}})));
+  EXPECT_EQ(run_recede(bake).remarks, "");
+  const std::vector<Material> materials = read_soup(folder / "out/ball.glb").materials;
+  ASSERT_EQ(materials.size(), 1u);
+  EXPECT_EQ(*materials[0].base_color_picture, read_whole_file(folder / "skin.png"));
+  std::vector<std::string> with_map = bake;
+  with_map.insert(with_map.end(), {"--maps", "color", "--map-size", "64"});
+  const json baked = json_of(run_recede(with_map));
+  const Raster color = read_png(baked.at("levels")[1].at("maps").at("color").get<std::string>());
+  for (std::size_t i = 0; i < color.samples.size(); ++i)
+    ASSERT_NEAR(color.samples[i], (std::array{200, 100, 50}[i % 3]), 1) << "rounded twice";
+}
+
+TEST(BakeCommand, SaysWhenANewAtlasLeavesNoTexture) {
+  const TempFolder folder;
+  folder.write("skin.mtl", "newmtl skin\nmap_Kd skin.png\n");
+  folder.write("skin.png", encode_png(raster_of(1, 1, {{200, 100, 50}})));
+  ASSERT_EQ(
+      run_recede({"simplify", write_sphere(folder, 500), "-o", folder / "ball.obj", "--ratio", "0.9"}).status,
+      0);
+  std::string obj = read_whole_file(folder / "ball.obj");
+  obj.insert(0, "mtllib skin.mtl\nusemtl skin\n");
+  folder.write("ball.obj", obj);
+  const CommandResult run =
+      run_recede({"bake", folder / "ball.obj", "-o", folder / "out", "--ratios", "0.5", "--json",
+                  "--no-report", "--no-billboards", "--maps", "normal", "--map-size", "64"});
+  EXPECT_THAT(
+      run.remarks,
+      HasSubstr("level 1 has a new atlas (no texture coordinates) and no texture; --maps color bakes"));
+}
+
+TEST(BakeCommand, WritesAGlbForEachLevelWhenAsked) {
+  const TempFolder folder;
+  const json plain = bake_sphere(folder, {"--ratios", "0.3", "--no-report"});
+  EXPECT_TRUE(plain.at("levels")[1].at("glb").is_null());
+  const json result = bake_sphere(
+      folder, {"--ratios", "0.3", "--no-report", "--maps", "normal", "--map-size", "64", "--glb-per-level"});
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json& level = result.at("levels")[i];
+    EXPECT_EQ(level.at("glb"), (folder / fmt::format("out/sphere_level_{}.glb", i)).string());
+    const MeshFromSoup read = read_mesh(level.at("glb").get<std::string>());
+    EXPECT_EQ(read.mesh.n_faces(), level.at("faces"));
+    EXPECT_NE(read.report.steps.back().name, "read_soup") << "nothing else is in it";
+    if (i == 1) EXPECT_TRUE(read.mesh.materials.at(0).normal_picture);
+  }
+  EXPECT_THAT(read_mesh(result.at("hierarchy").get<std::string>()).report.steps.back().detail,
+              HasSubstr("leaves 1 coarser level of detail aside"));
 }
 
 }  // namespace

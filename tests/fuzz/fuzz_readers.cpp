@@ -4,11 +4,12 @@
 //   fuzz_readers --reader=NAME CORPUS...    names are those of k_readers
 //   fuzz_readers --seeds=FOLDER             writes a small file of each kind into FOLDER/NAME/ instead
 #include "fuzz_seeds.h"
+#include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/exr.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/point_cloud.h>
-#include <recede/geometry/raster.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/pmesh.h>
 #include <recede/render/appearance.h>
@@ -73,6 +74,11 @@ void take_png(const fs::path& file) {
   require(raster.width > 0 && raster.height > 0, "a picture has pixels");
 }
 
+void take_jpeg(const fs::path& file) {
+  const Texture texture(decode_jpeg(read_whole_file(file), file.string()));
+  require(texture.color_at({0.3, 0.4}, 0.1).allFinite(), "a texture has colours");
+}
+
 void take_exr(const fs::path& file) {
   const FloatRaster raster = read_exr(file);
   require(raster.width > 0 && raster.height > 0, "a picture has pixels");
@@ -123,6 +129,7 @@ constexpr Reader k_readers[] = {
     {"pmesh", ".pmesh", take_pmesh, seed_pmesh},
     {"shell", ".shell", take_shell, seed_shell},
     {"png", ".png", take_png, seed_image},
+    {"jpeg", ".jpg", take_jpeg, seed_jpeg},
     {"exr", ".exr", take_exr, seed_image},
     {"hierarchy", ".json", take_hierarchy, seed_hierarchy},
     {"pca", ".pca", take_pca, seed_pca},

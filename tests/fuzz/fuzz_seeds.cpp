@@ -1,9 +1,12 @@
 #include "fuzz_seeds.h"
 
 #include "displaced_planes.h"
+#include "jpegs.h"
+#include "pictures.h"
 #include "soups.h"
 #include "tiled_surfaces.h"
 #include "uv_sheet.h"
+#include <recede/geometry/atomic_file.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
 #include <recede/lod/pmesh.h>
@@ -69,6 +72,12 @@ void seed_image(const fs::path& folder, const char* extension) {
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     image.pixels[i] = Rgb(0.1f * static_cast<float>(i), 0.5f, 0.25f);
   write_image(named(folder, "a", extension), image);
+}
+
+void seed_jpeg(const fs::path& folder, const char* extension) {
+  std::vector<std::array<std::uint16_t, 3>> texels;
+  for (std::uint16_t i = 0; i < 200; ++i) texels.push_back({i, static_cast<std::uint16_t>(255 - i), 90});
+  write_file_atomically(named(folder, "a", extension), jpeg_of(raster_of(20, 10, texels), 80));
 }
 
 fs::path write_small_hierarchy(const fs::path& folder) {

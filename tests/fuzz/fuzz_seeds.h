@@ -10,6 +10,7 @@ void seed_soup(const std::filesystem::path& folder, const char* extension);
 void seed_pmesh(const std::filesystem::path& folder, const char* extension);
 void seed_shell(const std::filesystem::path& folder, const char* extension);
 void seed_image(const std::filesystem::path& folder, const char* extension);
+void seed_jpeg(const std::filesystem::path& folder, const char* extension);
 void seed_hierarchy(const std::filesystem::path& folder, const char* extension);
 void seed_pca(const std::filesystem::path& folder, const char* extension);
 void seed_appearance(const std::filesystem::path& folder, const char* extension);

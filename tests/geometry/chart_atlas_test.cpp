@@ -21,6 +21,14 @@ TEST(ChartAtlas, ABoxBecomesSixSquaresOfEqualSize) {
   EXPECT_GT(atlas.occupancy, 0.55);
 }
 
+TEST(ChartAtlas, TexturesOfOtherCoordinatesAreDropped) {
+  PolygonSoup box = test::prism(4);
+  box.materials = {{"skin", Vec4::Ones(), "skin.png", "bumps.png"}};
+  box.materials[0].base_color_picture = std::make_shared<const std::string>("picture");
+  box.face_materials.assign(box.n_faces(), 0);
+  EXPECT_EQ(make_atlas(box).soup.materials, (std::vector<Material>{{"skin", Vec4::Ones(), ""}}));
+}
+
 TEST(ChartAtlas, ChartsKeepTheirShareOfTheArea) {
   const PolygonSoup soup = make_displaced_sphere(3000, true);
   const AtlasResult atlas = make_atlas(soup);

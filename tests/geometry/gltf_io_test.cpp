@@ -1,4 +1,6 @@
 #include "input_errors.h"
+#include "pictures.h"
+#include "simple_soups.h"
 #include "soups.h"
 #include <recede/geometry/detail/base64.h>
 #include <recede/geometry/gltf_writer.h>
@@ -151,6 +153,68 @@ TEST(GltfReader, GivesFacesTheMaterialsOfTheirPrimitives) {
   EXPECT_EQ(soup.materials[1], (Material{"oak", {0.5, 0.25, 0.125, 0.5}, "oak planks.png"}));
 }
 
+/// A square with a texture, whose image is as said.
+HandMade textured_square(json image) {
+  HandMade made = square_with({{"mode", 5}, {"material", 0}});
+  made.document["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  made.document["textures"] = {{{"source", 0}}};
+  made.document["images"] = json::array({std::move(image)});
+  return made;
+}
+
+TEST(GltfReader, TakesPicturesThatAreInsideAndNamesThoseBesideIt) {
+  const std::string png = encode_png(four_colors());
+  const TempFolder folder;
+  const auto material = [&](const HandMade& made) {
+    return read_soup(folder.write("a.gltf", made.text())).materials.at(0);
+  };
+  const Material beside = material(textured_square({{"uri", "my%20skin.png"}}));
+  EXPECT_EQ(beside.base_color_texture, "my skin.png");
+  EXPECT_FALSE(beside.base_color_picture);
+  const Material in_text =
+      material(textured_square({{"uri", "data:image/png;base64," + detail::encode_base64(png)}}));
+  EXPECT_EQ(in_text.base_color_texture, "image_0.png");
+  EXPECT_EQ(*in_text.base_color_picture, png);
+  HandMade in_buffer = textured_square({{"bufferView", 1}, {"mimeType", "image/png"}});
+  in_buffer.accessor<char>("SCALAR", 5121, 1, {png.begin(), png.end()});
+  EXPECT_EQ(*material(in_buffer).base_color_picture, png);
+  EXPECT_THAT(test::error_text([&] {
+                material(textured_square({{"bufferView", 7}}));
+              }),
+              HasSubstr("bufferViews has no element 7"));
+  EXPECT_THAT(test::error_text([&] {
+                material(textured_square({{"uri", "data:image/png,1234"}}));
+              }),
+              HasSubstr("images[0] has a data URI that isn't base64"));
+}
+
+TEST(GltfRoundTrip, PicturesOfMaterialsGoWithTheFile) {
+  const TempFolder folder;
+  PolygonSoup soup = soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  for (const Index v : soup.corner_vertices) soup.corner_uvs.push_back(soup.positions[v].head<2>());
+  soup.materials.resize(3);
+  for (Material& material : soup.materials) material.base_color_texture = "skins/a.png";
+  soup.materials[0].name = "one";
+  soup.materials[0].base_color_picture = soup.materials[1].base_color_picture = png_of(four_colors());
+  soup.materials[1].normal_texture = "n.png";
+  soup.materials[1].normal_picture = png_of(raster_of(1, 1, {{128, 128, 255}}));
+  soup.face_materials = {0, 1};
+  for (const char* name : {"a.glb", "a.gltf"}) {
+    write_soup(folder / name, soup);
+    const std::vector<Material> back = read_soup(folder / name).materials;
+    ASSERT_EQ(back.size(), 2u);
+    for (std::size_t m = 0; m < 2; ++m) {
+      EXPECT_EQ(back[m].base_color_texture, "skins/a.png");
+      EXPECT_EQ(*back[m].base_color_picture, *soup.materials[0].base_color_picture);
+    }
+    EXPECT_EQ(back[1].normal_texture, "n.png");
+    EXPECT_EQ(*back[1].normal_picture, *soup.materials[1].normal_picture);
+  }
+  const json document = json::parse(read_whole_file(folder / "a.gltf"));
+  EXPECT_EQ(document["images"].size(), 2u) << "each once";
+  EXPECT_EQ(validate_gltf({folder / "a.glb", folder / "a.gltf"}), 0);
+}
+
 TEST(GltfReader, ReadsOnlyTheFinestOfSeveralLevels) {
   HandMade made = square_with({{"mode", 5}});
   made.document["nodes"][0]["extensions"]["MSFT_lod"]["ids"] = {1, 2};
@@ -160,6 +224,25 @@ TEST(GltfReader, ReadsOnlyTheFinestOfSeveralLevels) {
   EXPECT_EQ(read_text("a.gltf", made.text()).n_faces(), 2u);
   made.document.erase("scenes");
   EXPECT_EQ(read_text("a.gltf", made.text()).n_faces(), 2u);
+}
+
+TEST(GltfReader, CountsWhatItLeavesAside) {
+  const TempFolder folder;
+  HandMade made = square_with({{"mode", 5}});
+  EXPECT_EQ(read_mesh(folder.write("a.gltf", made.text())).report.steps.back().name, "load_pictures");
+  made.document["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+  made.primitive({{"mode", 1}, {"attributes", {{"POSITION", 0}}}});
+  made.document["animations"] = {json::object(), json::object()};
+  made.document["nodes"][0]["extensions"]["MSFT_lod"]["ids"] = {1, 1};
+  made.node();
+  made.document["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
+  made.document["materials"] = {{{"normalTexture", {{"index", 0}}}}};
+  const RepairStep step = read_mesh(folder.write("a.gltf", made.text())).report.steps.back();
+  EXPECT_EQ(step.name, "read_soup");
+  EXPECT_EQ(
+      step.detail,
+      "leaves 1 coarser level of detail, 2 animations, 1 surface's morph targets, 1 texture that is neither "
+      "PNG nor JPEG, 1 list of points or lines aside");
 }
 
 TEST(GltfReader, VisitsEveryNodeOnceWhateverTheGraph) {

@@ -1,5 +1,7 @@
 // What holds for all formats alike: dispatch, progress, damaged files, and real models.
 #include "input_errors.h"
+#include "pictures.h"
+#include "simple_soups.h"
 #include "soups.h"
 
 #include <fmt/format.h>
@@ -199,6 +201,55 @@ TEST(RealModels, ReadFromAllFilesOfTheCollections) {
     }
   }
   EXPECT_GT(n, 100u);
+}
+
+TEST(Pictures, GoBesideFilesThatHoldNoneAndReplaceNoOthers) {
+  PolygonSoup soup = grid(1, true);
+  for (const Index v : soup.corner_vertices) soup.corner_uvs.push_back(soup.positions[v].head<2>());
+  soup.materials.resize(3);
+  soup.materials[0] = {"one", Vec4::Ones(), "left/skin.png"};
+  soup.materials[1] = {"two", Vec4::Ones(), "right/skin.png"};
+  soup.materials[2] = {"three", Vec4::Ones(), "left/skin.png"};
+  soup.materials[0].base_color_picture = soup.materials[2].base_color_picture = png_of(four_colors());
+  soup.materials[1].base_color_picture = png_of(raster_of(1, 1, {{9, 8, 7}}));
+  soup.face_materials = {0, 1};
+  for (const char* name : {"model.obj", "model.ply"}) {
+    const TempFolder folder;
+    folder.write("skin.png", "another model's");
+    write_soup(folder / name, soup);
+    EXPECT_EQ(read_whole_file(folder / "skin.png"), "another model's");
+    const std::vector<Material> back = read_mesh(folder / name).mesh.materials;
+    for (std::size_t m = 0; m < 2; ++m) {
+      ASSERT_TRUE(back[m].base_color_picture) << back[m].base_color_texture;
+      EXPECT_EQ(*back[m].base_color_picture, *soup.materials[m].base_color_picture);
+    }
+    EXPECT_EQ(back[0].base_color_texture, "model_skin.png");
+    EXPECT_EQ(back[1].base_color_texture, "model_2_skin.png");
+    // Where they are already, nothing is written and names stay.
+    std::filesystem::create_directory(folder / "left");
+    folder.write("left/skin.png", *soup.materials[0].base_color_picture);
+    soup.materials[1].base_color_picture = nullptr;
+    write_soup(folder / name, soup);
+    EXPECT_EQ(read_soup(folder / name).materials[0].base_color_texture, "left/skin.png");
+    EXPECT_EQ(read_soup(folder / name).materials[1].base_color_texture, "right/skin.png");
+    soup.materials[1].base_color_picture = png_of(raster_of(1, 1, {{9, 8, 7}}));
+  }
+}
+
+TEST(Pictures, OfMeshesAreReadAndMissingOnesAreRepairsThatAreTold) {
+  const TempFolder folder;
+  folder.write("a.mtl", "newmtl here\nmap_Kd skin.png\nnewmtl gone\nmap_Kd gone.png\n");
+  folder.write("skin.png", encode_png(four_colors()));
+  folder.write(
+      "a.obj",
+      "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl here\nf 1 2 3\nusemtl gone\nf 2 4 3\n");
+  const MeshFromSoup read = read_mesh(folder / "a.obj");
+  EXPECT_EQ(*read.mesh.materials[0].base_color_picture, encode_png(four_colors()));
+  EXPECT_FALSE(read.mesh.materials[1].base_color_picture);
+  const RepairStep& step = read.report.steps.back();
+  EXPECT_EQ(step.name, "load_pictures");
+  EXPECT_EQ(step.changed, 1u);
+  EXPECT_THAT(step.detail, HasSubstr("texture gone.png: No such file"));
 }
 
 }  // namespace

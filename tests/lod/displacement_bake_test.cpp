@@ -1,4 +1,5 @@
 #include "meshes.h"
+#include "pictures.h"
 #include <recede/geometry/displacement_map.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
@@ -192,6 +193,62 @@ TEST(DisplacementBake, ColoursAreThoseOfTheFineVerticesTimesTheMaterialsInSrgb) 
   EXPECT_EQ(maps.color.at(8, 4, 1), 188) << "0.5 by the transfer function";
   EXPECT_EQ(maps.color.at(8, 4, 2), 188);
   EXPECT_LT(maps.color.at(2, 4, 0), maps.color.at(12, 4, 0));
+}
+
+TEST(DisplacementBake, ColoursOfTexturesAreThoseOfTheirPlacesAndNewAtlasesHaveNone) {
+  PolygonSoup fine = field(4, [](double, double) { return 0.1; });
+  for (const Index v : fine.corner_vertices) fine.corner_uvs.push_back(fine.positions[v].head<2>());
+  fine.materials = {{"half blue", {1, 1, 0.5, 1}, "skin.png"}};
+  fine.materials[0].base_color_picture = png_of(four_quarters());
+  fine.face_materials.assign(fine.n_faces(), 0);
+  PolygonSoup coarse = square();
+  coarse.materials = fine.materials;
+  coarse.face_materials = {0};
+  const BakedMaps maps = bake_maps(fine, coarse, {.displacement = false, .normal = false, .size = 32});
+  const auto color = [&](int x, int y) {
+    return std::array{maps.color.at(x, y, 0), maps.color.at(x, y, 1), maps.color.at(x, y, 2)};
+  };
+  using Color = std::array<std::uint16_t, 3>;
+  EXPECT_EQ(color(8, 8), (Color{255, 0, 0}));
+  EXPECT_EQ(color(24, 8), (Color{0, 255, 0}));
+  EXPECT_EQ(color(8, 24), (Color{0, 0, 188})) << "times the material's colour";
+  EXPECT_EQ(color(24, 24), (Color{255, 255, 188}));
+  EXPECT_EQ(maps.surface.materials, coarse.materials) << "its own texture coordinates serve";
+  // A picture of fine lines is averaged where texels of the map are wider.
+  std::vector<std::array<std::uint16_t, 3>> lines;
+  for (std::uint16_t i = 0; i < 256; ++i) lines.push_back(i % 2 == 0 ? Color{0, 0, 0} : Color{255, 255, 255});
+  fine.materials[0] = {"lines", Vec4::Ones(), "lines.png"};
+  fine.materials[0].base_color_picture = png_of(raster_of(256, 1, lines));
+  const BakedMaps grey = bake_maps(fine, coarse, {.displacement = false, .normal = false, .size = 8});
+  for (const std::uint16_t sample : grey.color.samples) ASSERT_NEAR(sample, 188, 1) << "rounded twice";
+  coarse.corner_uvs.assign(coarse.n_corners(), Vec2::Zero());
+  const BakedMaps anew = bake_maps(fine, coarse, {.displacement = false, .color = false, .size = 8});
+  EXPECT_EQ(anew.surface.materials[0].base_color_texture, "");
+  EXPECT_FALSE(anew.surface.materials[0].base_color_picture);
+}
+
+TEST(DisplacementBake, DicedSurfacesHaveTheColoursOfTheMapOrElseOfTheCoarseSurface) {
+  PolygonSoup coarse = soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  for (const Index v : coarse.corner_vertices) coarse.corner_uvs.push_back(coarse.positions[v].head<2>());
+  coarse.materials = {{"a", {1, 0, 0, 1}, ""}, {"b", {0, 1, 0, 1}, ""}};
+  coarse.face_materials = {1, k_no_index};
+  for (const Vec3& p : coarse.positions) coarse.vertex_colors.emplace_back(p.x(), p.y(), 0.5, 1);
+  const BakedMaps without = bake_maps(coarse, coarse, {.normal = false, .color = false, .size = 8});
+  const PolygonSoup diced = dice_surface(without, {.parts = 3});
+  EXPECT_NO_THROW(validate(diced, "diced"));
+  EXPECT_EQ(diced.materials, coarse.materials);
+  for (std::size_t f = 0; f < 18; ++f) EXPECT_EQ(diced.face_materials[f], f < 9 ? 1u : k_no_index);
+  for (std::size_t v = 0; v < diced.positions.size(); ++v) {
+    const Vec3& p = diced.positions[v];
+    EXPECT_LT((diced.vertex_colors[v] - Vec4(p.x(), p.y(), 0.5, 1)).norm(), 1e-12) << "rounding";
+  }
+  const BakedMaps with = bake_maps(coarse, coarse, {.normal = false, .size = 8});
+  const PolygonSoup textured = dice_surface(with, {.parts = 3});
+  EXPECT_NO_THROW(validate(textured, "diced"));
+  ASSERT_EQ(textured.materials.size(), 1u);
+  EXPECT_EQ(textured.materials[0].base_color, Vec4::Ones());
+  EXPECT_EQ(decode_png(*textured.materials[0].base_color_picture, "color").samples, with.color.samples);
+  EXPECT_TRUE(textured.vertex_colors.empty());
 }
 
 TEST(DisplacementBake, PolygonsOfAnySizeStandForTheirTriangles) {

@@ -1,7 +1,9 @@
 #include "input_errors.h"
 #include "meshes.h"
+#include "pictures.h"
 #include "temp_folder.h"
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/chart_atlas.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
@@ -237,6 +239,25 @@ TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesAndInTheGlb) {
   write_file_atomically(files.map_files[2].normal, encode_png(back.levels[1].maps->displacement));
   EXPECT_THAT(test::error_text([&] { read_hierarchy(files.folder); }),
               testing::HasSubstr("square map of 3 channels"));
+}
+
+TEST(LodHierarchy, PicturesOfTheInputAreInTheGlbAndTheFolder) {
+  const test::TempFolder folder;
+  PolygonSoup soup = make_atlas(make_displaced_sphere(1500, true)).soup;
+  soup.materials = {{"skin", Vec4::Ones(), "scans/skin.png"}};
+  soup.materials[0].base_color_picture = test::png_of(test::four_quarters());
+  soup.face_materials.assign(soup.n_faces(), 0);
+  const LodHierarchy h = build_hierarchy(mesh_of(soup), "ball", by_ratios({0.3}));
+  const HierarchyFiles files = write_hierarchy(folder.path() / "out", h);
+  const nlohmann::json glb = json_of_glb(files.glb);
+  ASSERT_EQ(glb.at("images").size(), 1u) << "one for both levels";
+  EXPECT_EQ(picture_of_glb(files.glb, 0), *soup.materials[0].base_color_picture);
+  EXPECT_EQ(read_whole_file(files.folder / "skin.png"), *soup.materials[0].base_color_picture);
+  const LodHierarchy back = read_hierarchy(files.folder);
+  for (const LodLevel& level : back.levels) {
+    ASSERT_TRUE(level.mesh.materials.at(0).base_color_picture);
+    EXPECT_EQ(*level.mesh.materials[0].base_color_picture, *soup.materials[0].base_color_picture);
+  }
 }
 
 TEST(LodHierarchy, FloatMapsLieBesideTheOthersAndAreNamed) {

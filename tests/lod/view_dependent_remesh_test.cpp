@@ -74,6 +74,35 @@ TEST(ViewDependentRemesh, MatchesEveryDirectedEdgeOfClosedSurfaces) {
   }
 }
 
+TEST(ViewDependentRemesh, SmallTrianglesHaveTheMaterialsOfTheLargeOnes) {
+  PolygonSoup soup = sphere_base(1, false);
+  soup.materials = {{"a", Vec4::Ones(), ""}, {"b", Vec4::Ones(), ""}, {"c", Vec4::Ones(), ""}};
+  for (Index f = 0; f < soup.n_faces(); ++f) soup.face_materials.push_back(f % 4 == 3 ? k_no_index : f % 4);
+  const DisplacedBase base(soup, noise_map(40, 23, 0, 0));
+  const PolygonSoup diced = remesh_for_view(base, view_from({0, 0, 1.4}, 100, {0, 0, 0})).soup;
+  EXPECT_NO_THROW(validate(diced, "diced"));
+  EXPECT_EQ(diced.materials, soup.materials);
+  std::map<Index, std::size_t> counts;
+  for (std::size_t f = 0; f < diced.n_faces(); ++f) {
+    Vec3 middle = Vec3::Zero();
+    for (const Index v : diced.face(f)) middle += diced.positions[v];
+    // The large triangle that the ray from the sphere's middle meets.
+    std::size_t large = 0;
+    const auto is_inside = [&](std::size_t t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = soup.positions[soup.face(t)[k]], &b = soup.positions[soup.face(t)[(k + 1) % 3]];
+        if (a.cross(b).dot(middle) < 0) return false;
+      }
+      return true;
+    };
+    while (large < soup.n_faces() && !is_inside(large)) ++large;
+    ASSERT_LT(large, soup.n_faces());
+    ASSERT_EQ(diced.face_materials[f], soup.face_materials[large]) << f;
+    ++counts[diced.face_materials[f]];
+  }
+  EXPECT_EQ(counts.size(), 4u) << "all of them are seen";
+}
+
 TEST(ViewDependentRemesh, LeavesOpenOnlyWhatIsOutOfThePicture) {
   const DisplacedBase base(sphere_base(3), noise_map(64, 64, 0, 0.1));
   const RemeshView view = view_from({0, 0, 1.4}, 100, {0.3, 0.2, 0});

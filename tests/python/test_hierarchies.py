@@ -37,6 +37,32 @@ def test_bake_writes_maps(tmp_path, sphere):
     assert all(f.normal is None for f in recede.bake(sphere, tmp_path, ratios=[0.1], report=False).map_files)
 
 
+def test_bake_writes_a_glb_for_each_level(tmp_path, sphere):
+    assert recede.bake(sphere, tmp_path, ratios=[0.1], report=False).level_glbs == []
+    result = recede.bake(sphere, tmp_path, name="ball", ratios=[0.1], report=False, glb_per_level=True)
+    assert [file.name for file in result.level_glbs] == [f"ball_level_{i}.glb" for i in range(len(result.levels))]
+    assert recede.read_mesh(result.level_glbs[1]).n_faces == result.levels[1].mesh.n_faces
+
+
+def test_pictures_of_materials_go_with_meshes(tmp_path):
+    recede.write(tmp_path / "ball.obj", recede.make_atlas(recede.make_displaced_sphere(500)).mesh)
+    text = (tmp_path / "ball.obj").read_text()
+    (tmp_path / "ball.obj").write_text("mtllib skin.mtl\nusemtl skin\n" + text)
+    (tmp_path / "skin.mtl").write_text("newmtl skin\nKd 1 1 1\nmap_Kd skin.png\n")
+    without = recede.read(tmp_path / "ball.obj")
+    assert without.materials[0].base_color_picture is None
+    assert "skin.png" in [step.detail for step in without.repairs if step.name == "load_pictures"][0]
+    recede.write_image(tmp_path / "skin.png", np.full((1, 1, 3), [0.5, 0.25, 0.125]))
+    ball = recede.read(tmp_path / "ball.obj")
+    assert ball.materials[0].base_color_picture == (tmp_path / "skin.png").read_bytes()
+    result = recede.bake(ball, tmp_path / "out", ratios=[0.5], report=False, billboards=False)
+    assert recede.read(result.glb).materials[0].base_color_picture == ball.materials[0].base_color_picture
+    # 8 bits, encoded by sRGB, are half a step of at most 1 % of these values off.
+    maps = recede.bake_maps(ball, ball, maps=["color"], map_size=16)
+    linear = np.where(maps.color <= 10, maps.color / 255 / 12.92, ((maps.color / 255 + 0.055) / 1.055) ** 2.4)
+    assert np.abs(linear - [0.5, 0.25, 0.125]).max() < 0.01
+
+
 def test_maps_are_arrays(sphere):
     # The square from (0, 0) to (1, 1) below the plane z = 0.2 + 0.1 x, which is wider.
     coarse = recede.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]],
@@ -131,7 +157,7 @@ def test_files_larger_than_memory_are_baked_in_chunks(tmp_path):
     # Where it fits, the level is the same as of a mesh.
     fits = recede.bake(file, tmp_path / "fits", memory=8 << 30, **choice)
     recede.bake(sheet, tmp_path / "whole", **choice)
-    assert fits.source_faces == 0 and fits.left_out == []
+    assert fits.source_faces is None and fits.left_out == []
     assert (tmp_path / "fits/sheet.glb").read_bytes() == (tmp_path / "whole/sheet.glb").read_bytes()
     with pytest.raises(recede.OptionError, match="memory is for files"):
         recede.bake(sheet, tmp_path, memory=8 << 30)

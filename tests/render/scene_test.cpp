@@ -1,10 +1,12 @@
 #include "measured_radiance.h"
+#include "pictures.h"
 #include "shapes.h"
 #include <recede/geometry/error.h>
 #include <recede/render/image_difference.h>
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 
 namespace recede {
@@ -70,6 +72,32 @@ TEST(Scene, AGroundCostsAModelNoDetail) {
   const Image alone = render(Scene(soup), camera);
   const Image with_ground = render(Scene(soup, {.ground = Ground{.up = Vec3::UnitY()}}), camera);
   EXPECT_LT(compare_images(alone, with_ground).rmse, 1e-3);
+}
+
+TEST(Scene, TexturesAreFactorsOfBaseColoursAndVertexColours) {
+  PolygonSoup soup;
+  soup.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  soup.add_face(std::array<Index, 4>{0, 1, 2, 3});
+  soup.corner_uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  soup.materials = {{"skin", {0.5, 0.5, 1, 1}, "skin.png"}};
+  soup.materials[0].base_color_picture = test::png_of(test::four_quarters());
+  soup.face_materials = {0};
+  soup.vertex_colors.assign(4, Vec4(1, 0.5, 1, 1));
+  const Camera camera{.position = Vec3(0, 0, 4), .field_of_view = 0.5, .width = 40, .height = 40};
+  RenderOptions options;
+  options.camera_light = {
+      .toward = Vec3::UnitZ(), .lamp = Rgb::Zero(), .sky = Rgb::Ones(), .ground = Rgb::Ones()};
+  const Image picture = render(Scene(soup), camera, options);
+  const auto expect_color = [&](int x, int y, const Rgb& expected) {
+    const Rgb difference = picture.at(x, y) - expected;
+    // Samples of textures have 16 bits, and pictures floats.
+    EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-4f)
+        << x << ' ' << y << ": " << picture.at(x, y).transpose();
+  };
+  expect_color(10, 10, {0.5f, 0, 0});
+  expect_color(29, 10, {0, 0.25f, 0});
+  expect_color(10, 29, {0, 0, 1});
+  expect_color(29, 29, {0.5f, 0.25f, 1});
 }
 
 }  // namespace
