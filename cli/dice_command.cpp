@@ -33,6 +33,11 @@ struct Base {
 
 bool has_heights(const LodLevel& level) { return level.maps && !level.maps->displacement.samples.empty(); }
 
+void print_lost_colors(const PolygonSoup& surface, const DiceCommandOptions& options) {
+  if (!surface.vertex_colors.empty())
+    print_remark(options.input + ": the colours of its vertices are left out", options.common);
+}
+
 Base base_of_hierarchy(const DiceCommandOptions& options, const fs::path& folder, Progress* progress) {
   const LodHierarchy hierarchy = read_hierarchy(folder);
   const auto& levels = hierarchy.levels;
@@ -48,6 +53,7 @@ Base base_of_hierarchy(const DiceCommandOptions& options, const fs::path& folder
   if (!has_heights(levels[number])) {
     throw InputError::in_file(options.input, fmt::format("level {} has no displacement map", number));
   }
+  print_lost_colors(colored_surface(*levels[number].maps), options);
   return {DisplacedBase(*levels[number].maps, options.levels, progress), number};
 }
 
@@ -56,6 +62,7 @@ Base base_of_mesh(const DiceCommandOptions& options, Progress* progress) {
     throw OptionError("a mesh needs --displacement-map; a hierarchy has its own");
   if (options.level) throw OptionError("--level is for hierarchies");
   MeshWithHeights mesh = read_mesh_with_heights(options.input, options.heights, options.common, progress);
+  print_lost_colors(mesh.base, options);
   return {DisplacedBase(mesh.base, std::move(mesh.map), options.levels, progress)};
 }
 

@@ -142,14 +142,14 @@ TEST(LevelInterpolation, OfAPentagonGoesThroughTheMeansOfItsSidesAndCorners) {
 TEST(LevelInterpolation, RefusesLevelsThatThereArent) {
   EXPECT_THROW(interpolate_level(control_cube(), with_level(2), 3), OptionError);
   // 24 4^9 facets are 6 million; of ten cubes they are too many, as `subdivide` says.
-  PolygonSoup many = control_cube();
+  const PolygonSoup cube = control_cube();
+  PolygonSoup many = cube;
   for (int k = 1; k < 10; ++k) {
     const auto first = static_cast<Index>(many.positions.size());
-    for (const Vec3& position : control_cube().positions)
-      many.positions.push_back(position + Vec3(3 * k, 0, 0));
-    for (std::size_t f = 0; f < control_cube().n_faces(); ++f) {
+    for (const Vec3& position : cube.positions) many.positions.push_back(position + Vec3(3 * k, 0, 0));
+    for (std::size_t f = 0; f < cube.n_faces(); ++f) {
       std::vector<Index> face;
-      for (const Index v : control_cube().face(f)) face.push_back(first + v);
+      for (const Index v : cube.face(f)) face.push_back(first + v);
       many.add_face(face);
     }
   }

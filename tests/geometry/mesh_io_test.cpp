@@ -249,7 +249,7 @@ TEST(Pictures, OfMeshesAreReadAndMissingOnesAreRepairsThatAreTold) {
   const RepairStep& step = read.report.steps.back();
   EXPECT_EQ(step.name, "load_pictures");
   EXPECT_EQ(step.changed, 1u);
-  EXPECT_THAT(step.detail, HasSubstr("texture gone.png: No such file"));
+  EXPECT_THAT(step.detail, HasSubstr("gone.png: No such file"));
 }
 
 }  // namespace

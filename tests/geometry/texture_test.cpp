@@ -127,7 +127,7 @@ TEST(PictureLoader, ReadsPicturesFromBesideTheModelAndTellsWhatIsMissing) {
   for (std::size_t m = 0; m < named.size(); ++m)
     EXPECT_EQ(materials[m].base_color_texture, named[m].base_color_texture) << "names stay";
   EXPECT_EQ(loader.step().changed, 2u) << "each once";
-  EXPECT_THAT(loader.step().detail, HasSubstr("bad.png: PNG"));
+  EXPECT_THAT(loader.step().detail, HasSubstr("texture bad.png: the file ends too early"));
   EXPECT_THAT(loader.step().detail, HasSubstr("none.png: No such file"));
 }
 
