@@ -353,6 +353,35 @@ TEST(Simplify, FeatureEdgesStay) {
   EXPECT_GE(features, 12u);
 }
 
+// Both halves of a sheet have vertices of their own along a line between them, which is marked on those of
+// one. A face that visits a point twice, of which nothing is left, doesn't change what that means.
+TEST(Simplify, FeatureEdgesOfVerticesThatMeetStayBesideAFaceWithoutArea) {
+  constexpr Index n = 8, half = n / 2;
+  PolygonSoup soup = test::grid(n, true);
+  const Index first_copy = static_cast<Index>(soup.positions.size());
+  for (Index j = 0; j <= n; ++j) soup.positions.push_back(soup.positions[half * (n + 1) + j]);
+  for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+    double x = 0;
+    for (const Index v : soup.face(f)) x += soup.positions[v].x() / 3;
+    for (Index c = soup.face_offsets[f]; c < soup.face_offsets[f + 1] && x > 0.5; ++c) {
+      Index& v = soup.corner_vertices[c];
+      if (v / (n + 1) == half && v < first_copy) v = first_copy + v % (n + 1);
+    }
+  }
+  for (Index j = 0; j < n; ++j) soup.feature_edges.emplace_back(first_copy + j, first_copy + j + 1);
+  soup.add_face(std::vector<Index>{half * (n + 1), half * (n + 1) + 1, first_copy});
+  for (const CostPolicy cost : k_policies) {
+    const PolygonSoup coarse = simplify(soup, to_faces(4, cost)).soup;
+    double length = 0;
+    for (const auto& [a, b] : coarse.feature_edges) {
+      EXPECT_EQ(coarse.positions[a].x(), 0.5);
+      EXPECT_EQ(coarse.positions[b].x(), 0.5);
+      length += (coarse.positions[a] - coarse.positions[b]).norm();
+    }
+    EXPECT_DOUBLE_EQ(length, 1);
+  }
+}
+
 // Three sheets that share a spine along z, like an open book seen from above:  \|/
 TEST(Simplify, SheetsOnACommonSpineStayTogether) {
   constexpr Index n = 12;
