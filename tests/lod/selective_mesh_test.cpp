@@ -353,7 +353,6 @@ TEST(SelectiveMesh, IsFineInTheImageAndOnSilhouettesOnly) {
   view.target = {0, 0, 8};
   EXPECT_LT(selective.update(view).faces, 20u);
   // Its right half alone.
-  view.target = {0, 0, 0};
   view.position = {0, 0, 1.5};
   view.target = {1.5, 0, 0.5};
   selective.update(view);
