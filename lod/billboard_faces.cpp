@@ -8,6 +8,17 @@
 
 namespace recede::detail {
 
+namespace {
+
+// Triangles of a face that crosses itself can cancel out: then it has no front, but still a plane.
+Vec3 normal_of(const SurfaceMoments& face) {
+  constexpr double k_cancelled = 1e-9;  // of the area
+  return face.normal.norm() > k_cancelled * face.area ? Vec3(face.normal.normalized())
+                                                      : Vec3(face.axes().col(0));
+}
+
+}  // namespace
+
 BillboardFaces billboard_faces_of(const PolygonSoup& model) {
   validate(model, "billboard cloud");
   BillboardFaces faces;
@@ -34,7 +45,7 @@ BillboardFaces billboard_faces_of(const PolygonSoup& model) {
     faces.numbers.push_back(static_cast<Index>(face));
     for (const Index corner : model.face(face)) faces.corners.push_back(corner);
     faces.offsets.push_back(static_cast<Index>(faces.corners.size()));
-    faces.normals.push_back(moments[face].normal.normalized());
+    faces.normals.push_back(normal_of(moments[face]));
     faces.moments.push_back(moments[face]);
   }
   if (faces.count() == 0) throw InputError("a billboard cloud needs faces with an area");

@@ -2,6 +2,7 @@
 #include <recede/geometry/detail/nearest_points.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/billboard_level.h>
+#include <recede/lod/detail/hierarchy_options.h>
 #include <recede/lod/detail/switch_distances.h>
 
 #include <fmt/format.h>
@@ -59,8 +60,11 @@ struct SurfaceSamples {
 LevelError error_of(const PolygonSoup& model, const BillboardTextures& textures) {
   const std::vector<Index> triangles = triangulate(model);
   const std::vector<Vec3> drawn = places_of(textures);
-  LevelError error{0, 0, textures.error};
-  if (drawn.empty()) return error;
+  if (drawn.empty()) {  // as of something at the other end of the model
+    const double size = bounding_box(model).diagonal().norm();
+    return {size, size, std::max(size, textures.error)};
+  }
+  LevelError error;
   SurfaceSamples samples;
   for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
     samples.add(model.positions[triangles[t]], model.positions[triangles[t + 1]],
@@ -115,13 +119,11 @@ LodHierarchy billboard_hierarchy(const PolygonSoup& model, const std::string& na
                                  std::vector<BillboardTextures> clouds, const ViewSettings& view,
                                  Progress* progress) {
   if (clouds.empty()) throw OptionError("a hierarchy of billboards needs a cloud");
+  detail::check(view);
   LodHierarchy hierarchy;
   hierarchy.name = name;
   hierarchy.view = view;
-  const Box3 box = bounding_box(model);
-  hierarchy.center = box.center();
-  for (const Vec3& p : model.positions)
-    hierarchy.radius = std::max(hierarchy.radius, (p - hierarchy.center).norm());
+  detail::set_bounding_sphere(hierarchy, model.positions);
   for (BillboardTextures& cloud : clouds) {
     std::string reason = fmt::format("billboards of error {:.4g}", cloud.error);
     hierarchy.levels.push_back(billboard_level(model, std::move(cloud), std::move(reason), progress));

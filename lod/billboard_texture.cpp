@@ -300,6 +300,7 @@ bool place_billboards(const PolygonSoup& quads, BillboardTextures& textures) {
     // Numbers of files have seven digits and more.
     constexpr double k_rounding = 1e-5;
     if (std::abs(billboard.axis_u.dot(billboard.axis_v)) > k_rounding) return false;
+    if ((corner(2) - corner(1) - v).norm() > k_rounding * (u.norm() + v.norm())) return false;
     const Vec2 low = quads.corner_uvs[first], high = quads.corner_uvs[first + 2];
     const auto texel = [](double place) {
       return static_cast<int>(std::lround(std::clamp(place, -1.0, 1e6)));

@@ -1,6 +1,7 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/cad_hierarchy.h>
+#include <recede/lod/detail/hierarchy_options.h>
 #include <recede/lod/detail/switch_distances.h>
 
 #include <fmt/format.h>
@@ -66,9 +67,12 @@ class CadLevels {
         options_(options),
         progress_(progress),
         scales_(model.parts.size(), 0.0),
+        squared_scales_(model.parts.size(), 0.0),
         uses_(model.parts.size(), 0) {
     for (const CadInstance& instance : model.instances) {
-      scales_[instance.part] = std::max(scales_[instance.part], scale_of(instance.placement));
+      const double scale = scale_of(instance.placement);
+      scales_[instance.part] = std::max(scales_[instance.part], scale);
+      squared_scales_[instance.part] += scale * scale;
       ++uses_[instance.part];
     }
   }
@@ -146,10 +150,12 @@ class CadLevels {
       report.tightened += update.tightened * uses_[i];
       level.error.bound = std::max(level.error.bound, update.error_bound * scales_[i]);
       for (const Index patch : update.refused) {
-        const double bound = tessellations_[i].triangles_of(patch).error_bound * scales_[i];
+        const PatchTriangles& triangles = tessellations_[i].triangles_of(patch);
         report.missed.push_back(
             fmt::format("face {} of \"{}\": {}", models_[i].names[patch], model_.parts[i].name,
-                        bound > 0 ? fmt::format("within {:.3g} only", bound) : "its loops cross"));
+                        triangles.triangles.empty()
+                            ? "no triangles, as its loops cross or go around nothing"
+                            : fmt::format("within {:.3g} only", triangles.error_bound * scales_[i])));
       }
     }
     PolygonSoup soup;
@@ -176,9 +182,9 @@ class CadLevels {
     for (std::size_t i = 0; i < tessellations_.size(); ++i) {
       const SampledDeviation sampled = tessellations_[i].sampled_deviation();
       level.error.max = std::max(level.error.max, sampled.max * scales_[i]);
-      squares +=
-          sampled.rms * sampled.rms * sampled.area * scales_[i] * scales_[i] * static_cast<double>(uses_[i]);
-      area += sampled.area * static_cast<double>(uses_[i]);
+      const double of_instances = sampled.area * squared_scales_[i];
+      squares += std::pow(sampled.rms * scales_[i], 2) * of_instances;
+      area += of_instances;
     }
     level.error.rms = area > 0 ? std::sqrt(squares / area) : 0;
   }
@@ -187,14 +193,10 @@ class CadLevels {
   void measure() {
     const PolygonSoup& finest = soups_.front();
     LodHierarchy& hierarchy = result_.hierarchy;
-    Box3 box;
-    for (const Vec3& point : finest.positions) box.extend(point);
-    hierarchy.center = box.center();
-    for (const Vec3& point : finest.positions)
-      hierarchy.radius = std::max(hierarchy.radius, (point - hierarchy.center).norm());
+    detail::set_bounding_sphere(hierarchy, finest.positions);
     for (std::size_t i = 1; i < soups_.size(); ++i) {
       LodLevel& level = hierarchy.levels[i];
-      if (soups_[i].n_faces() == 0) continue;
+      if (soups_[i].n_faces() == 0 || finest.positions.empty()) continue;
       report_progress(progress_, fmt::format("level {}: measure", i), 0);
       const auto start = Clock::now();
       const ClosestPointTree tree(soups_[i].positions, soups_[i].corner_vertices);
@@ -213,7 +215,8 @@ class CadLevels {
   const CadModel& model_;
   const CadHierarchyOptions& options_;
   Progress* progress_;
-  std::vector<double> scales_;
+  // By part, of its instances: the largest scale, the sum of their squares, and how many there are.
+  std::vector<double> scales_, squared_scales_;
   std::vector<std::size_t> uses_;
   std::vector<double> errors_;
   std::vector<SeamModel> models_;
@@ -250,6 +253,7 @@ double cad_diagonal(const CadModel& model) {
 
 CadHierarchy build_cad_hierarchy(const CadModel& model, const std::string& name,
                                  const CadHierarchyOptions& options, Progress* progress) {
+  detail::check(options.view);
   return CadLevels(model, options, progress).run(name);
 }
 

@@ -50,7 +50,7 @@ struct CadHierarchy {
 };
 
 /// Triangulates each part once for each level and puts it where its instances are. Throws `OptionError` for
-/// errors that don't increase, or are given in several ways.
+/// errors that don't increase, or are given in several ways, and for numbers of the view out of range.
 CadHierarchy build_cad_hierarchy(const CadModel& model, const std::string& name,
                                  const CadHierarchyOptions& options = {}, Progress* progress = nullptr);
 

@@ -3,6 +3,9 @@
 #include <recede/lod/detail/chunk_distance.h>
 #include <recede/lod/detail/soup_pieces.h>
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -41,12 +44,7 @@ class ChunkMeter {
   }
 
   std::vector<LevelError> measure(const std::vector<Vec3>& points, Progress* progress) {
-    for (Level& level : levels_) {
-      for (const Vec3& p : points) {
-        const double squared = level.surface->tree.closest(frame_.inside(p)).squared_distance;
-        level.known = std::max(level.known, std::sqrt(squared));
-      }
-    }
+    for (Level& level : levels_) level.known = largest_distance(points, level);
     const auto n = static_cast<double>(input_.n_chunks());
     for (std::size_t i = 0; i < input_.n_chunks(); ++i) {
       report_progress(progress, "measure", 0.5 * static_cast<double>(i) / n);
@@ -101,6 +99,17 @@ class ChunkMeter {
       for (const Index cell : met) (met.size() == 1 ? level.whole : level.cut)[cell].push_back(f);
       level.area += vector_area(level.soup, f).norm();
     }
+  }
+
+  double largest_distance(const std::vector<Vec3>& points, const Level& level) const {
+    const auto larger = [](double a, double b) { return std::max(a, b); };
+    const auto of_range = [&](const tbb::blocked_range<std::size_t>& range, double squared) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        squared = larger(squared, level.surface->tree.closest(frame_.inside(points[i])).squared_distance);
+      return squared;
+    };
+    const tbb::blocked_range<std::size_t> all(0, points.size(), 1024);
+    return std::sqrt(tbb::parallel_reduce(all, 0.0, of_range, larger));
   }
 
   std::size_t samples_of(double area, double whole) const {

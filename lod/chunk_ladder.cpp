@@ -31,7 +31,7 @@ void remove_repeated_faces(PolygonSoup& soup) {
 }  // namespace
 
 std::vector<Rung> make_ladder(Chunk chunk, double step, double least_share, double side,
-                              const SimplifyOptions& options, Progress* progress) {
+                              const SimplifyOptions& options) {
   remove_repeated_faces(chunk.soup);
   CornerTable table = build_corner_table(
       chunk.soup, {options.keep_uv_seams, options.keep_normal_seams, options.lock_borders});
@@ -48,7 +48,7 @@ std::vector<Rung> make_ladder(Chunk chunk, double step, double least_share, doub
     Limits limits;
     limits.faces = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(n_faces)));
     limits.error = std::numeric_limits<double>::infinity();
-    const StopReason reason = simplifier->run(limits, progress);
+    const StopReason reason = simplifier->run(limits, nullptr);
     const std::size_t gone = faces_before - simplifier->table().n_alive_faces;
     if (gone > 0) {
       const double cost = unit * (simplifier->counts().cost - cost_before) / static_cast<double>(gone);

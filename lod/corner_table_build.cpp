@@ -388,6 +388,10 @@ CornerTable build_corner_table(const PolygonSoup& soup, const CornerTableOptions
   const std::vector<Index> representatives = builder.representatives();
   PolygonSoup mended = soup;
   for (Index& v : mended.corner_vertices) v = representatives[v];
+  for (auto& [v, w] : mended.feature_edges) {
+    if (representatives[v] != k_no_index) v = representatives[v];
+    if (representatives[w] != k_no_index) w = representatives[w];
+  }
   remove_degenerate_faces(mended);
   return TableBuilder(mended, options).build();
 }

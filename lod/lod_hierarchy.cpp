@@ -33,6 +33,14 @@ void check_list(const std::vector<Value>& values, const char* name, InOrder in_o
 
 }  // namespace
 
+void detail::check(const ViewSettings& view) {
+  require(view.image_height >= 1 && std::isfinite(view.image_height),
+          "the image height must be at least one pixel");
+  require(view.field_of_view > 0 && view.field_of_view < 3.14159,
+          "the field of view must lie between 0 and 180 degrees");
+  require(view.pixel_error > 0 && std::isfinite(view.pixel_error), "the pixel error must be positive");
+}
+
 void detail::check(const HierarchyOptions& options) {
   const int ways = int(!options.faces.empty()) + int(!options.ratios.empty()) + int(!options.errors.empty()) +
                    int(!options.relative_errors.empty()) + int(!options.distances.empty());
@@ -43,11 +51,7 @@ void detail::check(const HierarchyOptions& options) {
   check_list(options.relative_errors, "relative errors", std::less<>(), "increase");
   check_list(options.distances, "distances", std::less<>(), "increase");
   require(options.ratios.empty() || options.ratios.front() < 1, "ratios must be below 1");
-  const ViewSettings& view = options.view;
-  require(view.image_height >= 1, "the image height must be at least one pixel");
-  require(view.field_of_view > 0 && view.field_of_view < 3.14159,
-          "the field of view must lie between 0 and 180 degrees");
-  require(view.pixel_error > 0, "the pixel error must be positive");
+  check(options.view);
   require(options.measure.bound_tolerance.has_value(), "a hierarchy needs a certified bound");
 }
 
@@ -75,11 +79,7 @@ class HierarchyBuilder {
   LodHierarchy build(const std::string& name) {
     hierarchy_.name = name;
     hierarchy_.view = options_.view;
-    const Box3 box = bounding_box(input_);
-    hierarchy_.center = box.center();
-    for (const Vec3& p : input_.positions) {
-      hierarchy_.radius = std::max(hierarchy_.radius, (p - hierarchy_.center).norm());
-    }
+    detail::set_bounding_sphere(hierarchy_, input_.positions);
     hierarchy_.levels.push_back({.mesh = mesh_});
     const std::vector<SimplifyTarget> by_error = error_targets();
     if (by_error.empty()) {
@@ -161,6 +161,14 @@ class HierarchyBuilder {
 };
 
 }  // namespace
+
+void detail::set_bounding_sphere(LodHierarchy& hierarchy, const std::vector<Vec3>& points) {
+  Box3 box;
+  for (const Vec3& p : points) box.extend(p);
+  hierarchy.center = box.center();
+  hierarchy.radius = 0;
+  for (const Vec3& p : points) hierarchy.radius = std::max(hierarchy.radius, (p - hierarchy.center).norm());
+}
 
 void detail::set_switch_distances(LodHierarchy& hierarchy) {
   double previous = 0;

@@ -284,6 +284,10 @@ std::optional<BakedMaps> read_maps(const Json& entry, const fs::path& folder, Po
     }
   };
   if (read("displacement", 1, maps.displacement)) {
+    if (maps.displacement.bits != 16) {
+      const std::string file = entry.at("displacement").at("uri");
+      throw InputError::in_file((folder / file).string(), "isn't a map of heights, which has 16 bits");
+    }
     maps.height_scale = entry.at("displacement").at("scale");
     maps.height_offset = entry.at("displacement").at("offset");
   }
@@ -455,6 +459,7 @@ LodHierarchy read_hierarchy(const fs::path& folder) {
       }
       hierarchy.levels.push_back(std::move(level));
     }
+    if (hierarchy.levels.empty()) throw InputError::in_file(file.string(), "names no levels");
   } catch (const nlohmann::json::exception& error) {
     throw InputError::in_file(file.string(), error.what());
   }

@@ -30,7 +30,9 @@ struct LevelByDistanceOptions {
 
 /// Ramsey's rule for displaced hierarchies: a level with the share p of the faces serves from the distance
 /// 1/p on, since polygons of half the size may be half as many. It knows nothing of errors. `to_sphere` is
-/// the distance to the bounding sphere, which may be negative inside, `to_surface` that to the nearest point.
+/// the distance to the bounding sphere, which may be negative inside, `to_surface` that to the nearest point,
+/// both in object units. Throws `OptionError` for a unit or a limit out of range, and `InputError` without
+/// levels.
 std::size_t level_by_distance(const LodHierarchy& hierarchy, double to_sphere, double to_surface,
                               const LevelByDistanceOptions& options = {});
 

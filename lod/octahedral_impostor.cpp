@@ -4,6 +4,7 @@
 #include <recede/lod/octahedral_impostor.h>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -64,15 +65,14 @@ BillboardCloud octahedral_impostor(const PolygonSoup& model, int views) {
   BillboardCloud cloud;
   cloud.left_out = faces.left_out;
   cloud.is_two_sided = cloud.is_impostor = true;
-  for (int j = 0; j < views; ++j) {
-    for (int i = 0; i < views; ++i) {
-      const Vec3 normal = octahedral_direction(node_place(i, j, views));
-      Billboard billboard = detail::billboard_facing(faces, all, normal, true);
-      if (billboard.normal().dot(normal) < 0) billboard.axis_v = -billboard.axis_v;
-      cloud.error = std::max(cloud.error, billboard.error);
-      cloud.billboards.push_back(std::move(billboard));
-    }
-  }
+  cloud.billboards.resize(static_cast<std::size_t>(views * views));
+  tbb::parallel_for(0, views * views, [&](int view) {
+    const Vec3 normal = octahedral_direction(node_place(view % views, view / views, views));
+    Billboard& billboard = cloud.billboards[static_cast<std::size_t>(view)];
+    billboard = detail::billboard_facing(faces, all, normal, true);
+    if (billboard.normal().dot(normal) < 0) billboard.axis_v = -billboard.axis_v;
+  });
+  for (const Billboard& billboard : cloud.billboards) cloud.error = std::max(cloud.error, billboard.error);
   return cloud;
 }
 

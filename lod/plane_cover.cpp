@@ -1,5 +1,8 @@
 #include <recede/geometry/disjoint_sets.h>
+#include <recede/geometry/error.h>
 #include <recede/lod/detail/plane_cover.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +40,11 @@ class PlaneCover {
     for (const Index corner : faces.corners) farthest = std::max(farthest, faces.points[corner].norm());
     bin_ = error / k_bins;
     first_ = -farthest - bin_;
-    n_bins_ = static_cast<std::size_t>(2 * (farthest + bin_) / bin_) + 2;
+    const double n_bins = 2 * (farthest + bin_) / bin_ + 2;
+    constexpr double k_most_sums = 1 << 27;  // a gibibyte
+    if (!(n_bins * k_directions < k_most_sums))
+      throw OptionError(fmt::format("an error of {:.3g} of the model's size is too small for planes", error));
+    n_bins_ = static_cast<std::size_t>(n_bins);
     sums_.assign(directions_.size() * n_bins_, 0.0);
     for (Index face = 0; face < faces.count(); ++face) add(face, 1);
   }
@@ -47,9 +54,10 @@ class PlaneCover {
     while (n_left > 0) {
       report_progress(progress, "planes",
                       1 - static_cast<double>(n_left) / static_cast<double>(faces_.count()));
-      const Plane plane = improved(best_bin());
-      const std::size_t n = cover(plane);
-      n_left -= n > 0 ? n : cover(plane_of(first_left()));
+      std::size_t n = cover(improved(best_bin()));
+      if (n == 0) n = cover(plane_of(first_left()));
+      if (n == 0) n = leave_alone(first_left());
+      n_left -= n;
     }
     reduce();
     return assigned();
@@ -141,6 +149,13 @@ class PlaneCover {
     }
     if (n > 0) planes_.push_back(plane);
     return n;
+  }
+
+  // A face so bent that its own plane isn't near to all of it.
+  std::size_t leave_alone(Index face) {
+    is_covered_[face] = 1;
+    add(face, -1);
+    return 1;
   }
 
   // Planes go of which others are near to all faces, then those of which another one can take, turned, what
@@ -245,9 +260,9 @@ class PlaneCover {
     return all.high - all.low;
   }
 
-  // Each face to the plane that sees it best.
+  // Each face to the plane that sees it best; those to which none is near get their own.
   std::vector<CoveringPlane> assigned() const {
-    std::vector<CoveringPlane> result(planes_.size());
+    std::vector<CoveringPlane> result(planes_.size()), alone;
     for (std::size_t p = 0; p < planes_.size(); ++p) result[p].normal = planes_[p].normal;
     for (Index face = 0; face < faces_.count(); ++face) {
       std::size_t best = 0;
@@ -258,9 +273,13 @@ class PlaneCover {
         most = cosine;
         best = p;
       }
-      result[best].faces.push_back(face);
+      if (most < 0)
+        alone.push_back({faces_.normals[face], {face}});
+      else
+        result[best].faces.push_back(face);
     }
     std::erase_if(result, [](const CoveringPlane& plane) { return plane.faces.empty(); });
+    result.insert(result.end(), alone.begin(), alone.end());
     return result;
   }
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cstring>
 
 namespace recede::detail {
 namespace {
@@ -74,14 +74,14 @@ void PmeshCodec::code_kept_values(Index split, Index kept, Index removed) {
   const std::size_t n = header_.scalar_names.size();
   std::uint8_t moved = 0;
   const ProgressiveMesh* const m = mesh_;
-  const auto differs = [](const auto& change) { return !(change.fine == change.coarse); };
+  const auto differs = [](const auto& change) {
+    return std::memcmp(&change.fine, &change.coarse, sizeof(change.fine)) != 0;
+  };
   if (writes_) {
     if (!m->position_changes.empty() && differs(m->position_changes[split])) moved |= k_position_moves;
     if (!m->color_changes.empty() && differs(m->color_changes[split])) moved |= k_color_moves;
     for (std::size_t i = 0; i < n && !m->scalar_changes.empty(); ++i) {
-      const auto& change = m->scalar_changes[split * n + i];
-      if (std::bit_cast<std::uint64_t>(change.fine) != std::bit_cast<std::uint64_t>(change.coarse))
-        moved |= k_scalars_move;
+      if (differs(m->scalar_changes[split * n + i])) moved |= k_scalars_move;
     }
   }
   byte(ByteKind::moved, moved);

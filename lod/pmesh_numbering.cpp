@@ -96,6 +96,46 @@ std::size_t wedge_count(const std::vector<Vec2>& uvs, const std::vector<Vec3>& n
   return std::max(uvs.size(), normals.size());
 }
 
+/// What is used before the mesh is put together; the rest is checked there.
+void check(const PmeshNumbering& numbering, const PmeshHeader& header, const PmeshTable& table) {
+  const std::size_t more_vertices = numbering.positions.size(), more_faces = numbering.face_sizes.size();
+  require(
+      numbering.vertex.size() == table.n_vertices() && numbering.face.size() == table.n_faces() &&
+          numbering.first.size() == table.n_faces() &&
+          numbering.n_vertices == table.n_vertices() + more_vertices &&
+          numbering.n_faces == table.n_faces() + more_faces &&
+          numbering.colors.size() == (header.has_colors ? more_vertices : 0) &&
+          numbering.scalars.size() == header.scalar_names.size() * more_vertices &&
+          numbering.face_materials.size() == (header.has_face_materials ? more_faces : 0) &&
+          numbering.corner_wedges.size() == (header.has_wedges() ? numbering.corner_vertices.size() : 0) &&
+          numbering.n_vertices < k_no_index && numbering.n_faces < k_no_index,
+      "the numbering has lists of the wrong lengths");
+  check_distinct(numbering.vertex, numbering.n_vertices);
+  check_distinct(numbering.face, numbering.n_faces);
+  std::size_t n_corners = 0;
+  for (const Index size : numbering.face_sizes) {
+    require(size >= 3, "a face has fewer than three corners");
+    n_corners += size;
+  }
+  require(n_corners == numbering.corner_vertices.size(), "the numbering has lists of the wrong lengths");
+  check_below(numbering.corner_vertices, numbering.n_vertices);
+  check_below(numbering.mending.fine_faces, numbering.n_faces);
+  check_below(numbering.mending.coarse_faces, numbering.n_faces);
+  for (const Index material : numbering.face_materials) {
+    require(material == k_no_index || material < header.materials.size(),
+            "a face names a material that isn't there");
+  }
+  for (const auto& change : numbering.mending.vertices) {
+    require(change.corner < table.n_corners() + n_corners && change.fine < numbering.n_vertices &&
+                change.coarse < numbering.n_vertices,
+            "the numbering names something that isn't there");
+  }
+  for (const auto& [a, b] : numbering.feature_edges) {
+    require(a < numbering.n_vertices && b < numbering.n_vertices,
+            "a feature edge names a vertex that isn't there");
+  }
+}
+
 }  // namespace
 
 PmeshNumbering find_numbering(const ProgressiveMesh& mesh, const PmeshHeader& header, const PmeshTable& table,
@@ -180,43 +220,7 @@ void code_numbering(ByteStreams& streams, const PmeshHeader& header, const Pmesh
   lists.indices(numbering.mending.fine_faces);
   lists.indices(numbering.mending.coarse_faces);
   lists.entries(numbering.feature_edges, [](auto& edge) { return std::array{&edge.first, &edge.second}; });
-  if constexpr (writes) return;
-  const std::size_t more_vertices = numbering.positions.size(), more_faces = numbering.face_sizes.size();
-  require(
-      numbering.vertex.size() == table.n_vertices() && numbering.face.size() == table.n_faces() &&
-          numbering.first.size() == table.n_faces() &&
-          numbering.n_vertices == table.n_vertices() + more_vertices &&
-          numbering.n_faces == table.n_faces() + more_faces &&
-          numbering.colors.size() == (header.has_colors ? more_vertices : 0) &&
-          numbering.scalars.size() == header.scalar_names.size() * more_vertices &&
-          numbering.face_materials.size() == (header.has_face_materials ? more_faces : 0) &&
-          numbering.corner_wedges.size() == (header.has_wedges() ? numbering.corner_vertices.size() : 0) &&
-          numbering.n_vertices < k_no_index && numbering.n_faces < k_no_index,
-      "the numbering has lists of the wrong lengths");
-  check_distinct(numbering.vertex, numbering.n_vertices);
-  check_distinct(numbering.face, numbering.n_faces);
-  std::size_t n_corners = 0;
-  for (const Index size : numbering.face_sizes) {
-    require(size >= 3, "a face has fewer than three corners");
-    n_corners += size;
-  }
-  require(n_corners == numbering.corner_vertices.size(), "the numbering has lists of the wrong lengths");
-  check_below(numbering.corner_vertices, numbering.n_vertices);
-  check_below(numbering.mending.fine_faces, numbering.n_faces);
-  check_below(numbering.mending.coarse_faces, numbering.n_faces);
-  for (const Index material : numbering.face_materials) {
-    require(material == k_no_index || material < header.materials.size(),
-            "a face names a material that isn't there");
-  }
-  for (const auto& change : numbering.mending.vertices) {
-    require(change.corner < table.n_corners() + n_corners && change.fine < numbering.n_vertices &&
-                change.coarse < numbering.n_vertices,
-            "the numbering names something that isn't there");
-  }
-  for (const auto& [a, b] : numbering.feature_edges) {
-    require(a < numbering.n_vertices && b < numbering.n_vertices,
-            "a feature edge names a vertex that isn't there");
-  }
+  if constexpr (!writes) check(numbering, header, table);
 }
 
 template void code_numbering<true>(ByteStreams&, const PmeshHeader&, const PmeshTable&, PmeshNumbering&);

@@ -76,11 +76,8 @@ ErrorProver::ErrorProver(ProgressiveMesh& mesh, const SplitRows<Index>& touched)
 /// The triangles of a face as `triangulate` cuts it.
 void ErrorProver::add_triangles(Index face, std::vector<FaceTriangle>& triangles) const {
   std::array<Vec3, 3> corners;
-  std::size_t n = 0;
-  PolygonSoup polygon;  // of more than three corners
+  Index n = 0;
   level_.each_corner_of(face, [&](Index c) {
-    if (n == 3) polygon.positions.assign(corners.begin(), corners.end());
-    if (n >= 3) polygon.positions.push_back(level_.position(c));
     if (n < 3) corners[n] = level_.position(c);
     ++n;
   });
@@ -88,8 +85,10 @@ void ErrorProver::add_triangles(Index face, std::vector<FaceTriangle>& triangles
     triangles.push_back({scaled({corners[0], corners[1], corners[2]}), face});
     return;
   }
+  PolygonSoup polygon;
+  level_.each_corner_of(face, [&](Index c) { polygon.positions.push_back(level_.position(c)); });
   for (Index v = 0; v < n; ++v) polygon.corner_vertices.push_back(v);
-  polygon.face_offsets.push_back(static_cast<Index>(n));
+  polygon.face_offsets.push_back(n);
   const std::vector<Index> cut = triangulate(polygon);
   const std::vector<Vec3>& p = polygon.positions;
   for (std::size_t t = 0; t < cut.size(); t += 3) {

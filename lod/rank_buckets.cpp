@@ -58,11 +58,4 @@ Index RankBuckets::at_rank(std::size_t rank) const {
   return buckets_[bucket][rank];
 }
 
-void RankBuckets::clear() {
-  for (auto& bucket : buckets_) bucket.clear();
-  std::fill(tree_.begin(), tree_.end(), 0);
-  std::fill(place_.begin(), place_.end(), Place{});
-  size_ = 0;
-}
-
 }  // namespace recede::detail

@@ -75,8 +75,7 @@ class Pass {
     Chunk chunk = from_.load(number);
     if (chunk.soup.n_faces() == 0) return;
     materials_ = chunk.soup.materials;
-    const std::vector<Rung> rungs =
-        make_ladder(std::move(chunk), k_rung_step, least_share_, side_, options_, nullptr);
+    const std::vector<Rung> rungs = make_ladder(std::move(chunk), k_rung_step, least_share_, side_, options_);
     // The chunk itself needn't be there twice, unless faces were.
     const std::size_t first = rungs.front().soup.n_faces() < from_.n_faces(number) ? 0 : 1;
     for (std::size_t i = first; i < rungs.size(); ++i)

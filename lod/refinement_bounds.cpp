@@ -47,13 +47,14 @@ struct Cone {
       return;
     }
     const double both = (between + angle + other.angle) / 2;
-    const Vec3 across = (other.axis - axis.dot(other.axis) * axis).normalized();
-    if (both >= k_all || !across.allFinite()) {
+    const Vec3 across = other.axis - axis.dot(other.axis) * axis;
+    constexpr double k_opposite = 1e-6;  // sine: below it rounding says which way the axis turns
+    if (both >= k_all || (axis.dot(other.axis) < 0 && across.norm() < k_opposite)) {
       angle = k_all;
       return;
     }
     const double turn = both - angle;
-    axis = (std::cos(turn) * axis + std::sin(turn) * across).normalized();
+    axis = (std::cos(turn) * axis + std::sin(turn) * across.normalized()).normalized();
     angle = both;
   }
 };
@@ -112,7 +113,7 @@ void HierarchyBounder::add_gathered() {
   faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
   points_.clear();
   Vec3 sum = Vec3::Zero();
-  double widest = 0;
+  double widest = -1;  // no face has a normal
   for (const Index face : faces_) {
     level_.each_corner_of(face, [&](Index c) { points_.push_back(level_.position(c)); });
     const Vec3 normal = normal_of(face);
@@ -131,7 +132,8 @@ void HierarchyBounder::add_gathered() {
     const double angle = std::atan2(sum.cross(normal).norm(), sum.dot(normal));
     if (normal.squaredNorm() > 0) widest = std::max(widest, angle);
   }
-  cone_.add({sum, sum.allFinite() ? widest : Cone::k_all});
+  const bool cancel_out = widest >= 0 && sum.isZero(0);
+  cone_.add({sum, cancel_out ? Cone::k_all : widest});
   faces_.clear();
 }
 

@@ -124,8 +124,9 @@ ViewPatches::ViewPatches(const DisplacedBase& base, const GridSpace& space, cons
 void ViewPatches::halve_uneven_edges(const GridSpace& space, const RemeshOptions& options) {
   constexpr int k_most_rounds = 64;  // more than the bits of a length
   Middles middles(*this, space);
-  std::vector<ViewPatch> even, halved, pieces;
+  std::vector<ViewPatch> even, pieces;
   even.reserve(patches.size());
+  double triangles_of_even = 0;
   for (int round = 0; round < k_most_rounds && !patches.empty(); ++round) {
     pieces.clear();
     for (ViewPatch& patch : patches) {
@@ -136,35 +137,32 @@ void ViewPatches::halve_uneven_edges(const GridSpace& space, const RemeshOptions
         const ViewPoint &a = views[patch.points[k]], &b = views[patch.points[k_next[k]]];
         cut[k] = space.is_uneven(a, b, options.largest_depth_ratio);
       }
-      if (cut == std::array<bool, 3>{})
+      if (cut == std::array<bool, 3>{}) {
         even.push_back(patch);
-      else
+        triangles_of_even += about_triangles(patch);
+      } else {
         Cutter(patch, cut, middles).cut(cut, pieces);
+      }
     }
     patches.swap(pieces);
-    require_few(even, patches, options.most_triangles);
+    // Before memory runs out.
+    double triangles = triangles_of_even;
+    for (const ViewPatch& patch : patches) triangles += about_triangles(patch);
+    constexpr double k_sure = 2;  // beyond doubt
+    if (triangles > k_sure * static_cast<double>(options.most_triangles))
+      throw OptionError(fmt::format("the view needs more than {} triangles", options.most_triangles));
   }
   even.insert(even.end(), patches.begin(), patches.end());
   patches.swap(even);
 }
 
-/// Before memory runs out. Patches have about as many triangles as twice their area among the voxels.
-void ViewPatches::require_few(const std::vector<ViewPatch>& even, const std::vector<ViewPatch>& others,
-                              std::size_t most) const {
-  double triangles = static_cast<double>(even.size() + others.size());
-  for (const std::vector<ViewPatch>* list : {&even, &others}) {
-    for (const ViewPatch& patch : *list) {
-      const auto& p = patch.points;
-      const std::array<GridPoint, 3> corners{views[p[0]].voxel, views[p[1]].voxel, views[p[2]].voxel};
-      const SweepPlan plan = plan_sweep(corners);
-      if (!patch.culled)
-        triangles += std::abs(static_cast<double>(twice_area(corners, plan.sweep, plan.side)));
-    }
-  }
-  constexpr double k_sure = 2;  // beyond doubt
-  if (triangles > k_sure * static_cast<double>(most)) {
-    throw OptionError(fmt::format("the view needs more than {} triangles", most));
-  }
+/// Twice its area among the voxels, and itself.
+double ViewPatches::about_triangles(const ViewPatch& patch) const {
+  if (patch.culled) return 1;
+  const auto& p = patch.points;
+  const std::array<GridPoint, 3> corners{views[p[0]].voxel, views[p[1]].voxel, views[p[2]].voxel};
+  const SweepPlan plan = plan_sweep(corners);
+  return 1 + std::abs(static_cast<double>(twice_area(corners, plan.sweep, plan.side)));
 }
 
 void ViewPatches::connect() {

@@ -146,7 +146,7 @@ class VolumeSimplifier final : public Simplifier {
   void rank(Patch& patch);
   void rank_point(Patch& patch, Workbench& bench, Index p);
   void rank_block(Patch& patch, EdgeBlock& block) const;
-  float exact_cost(Workbench& bench, Index p, Index q) const;
+  float exact_cost(Patch& patch, Workbench& bench, Index p, Index q) const;
   void add_candidate(Patch& patch, Index p, Index q, Index corner, float cost) const;
   void collapse_inside(Patch& patch, float limit, double error);
   std::vector<Candidate> collapse_inside_all(std::vector<Patch>& patches, float limit, double error);
@@ -197,12 +197,17 @@ void VolumeSimplifier::start_pass() {
   if (options_.cost == CostPolicy::volume) ranker_.start(scale);
 }
 
-/// The exact cost of an edge; negative for an edge that must stay.
-float VolumeSimplifier::exact_cost(Workbench& bench, Index p, Index q) const {
-  if (!edge_freedom(table_, p, q).allowed) return -1;
-  bench.rings.gather(table_, p, q);
-  const CollapsePlan plan = bench.planner.plan(bench.rings, p, q);
-  return plan.collapse.removed == k_no_index ? -1 : static_cast<float>(plan.cost * cost_scale_);
+/// The exact cost of an edge; negative for an edge that must stay, which is counted by its reason.
+float VolumeSimplifier::exact_cost(Patch& patch, Workbench& bench, Index p, Index q) const {
+  Refusal reason = Refusal::border;
+  if (edge_freedom(table_, p, q).allowed) {
+    bench.rings.gather(table_, p, q);
+    const CollapsePlan plan = bench.planner.plan(bench.rings, p, q);
+    if (plan.collapse.removed != k_no_index) return static_cast<float>(plan.cost * cost_scale_);
+    reason = plan.refused.value_or(reason);
+  }
+  ++patch.counts.refused[reason];
+  return -1;
 }
 
 void VolumeSimplifier::add_candidate(Patch& patch, Index p, Index q, Index corner, float cost) const {
@@ -240,9 +245,8 @@ void VolumeSimplifier::rank_point(Patch& patch, Workbench& bench, Index p) {
       if (bench.block.size == EdgeRanker::k_lanes) rank_block(patch, bench.block);
       return;
     }
-    const float cost = exact_cost(bench, p, q);
-    if (cost >= 0) return add_candidate(patch, p, q, corner, cost);
-    ++patch.counts.refused[Refusal::border];
+    const float cost = exact_cost(patch, bench, p, q);
+    if (cost >= 0) add_candidate(patch, p, q, corner, cost);
   };
   for (Index i = table_.ring_start[p]; i < table_.ring_start[p + 1]; ++i) {
     const Index corner = table_.ring[i], q = table_.point_after(corner);

@@ -18,6 +18,6 @@ struct Rung {
 /// visit a vertex twice. Parts are neither joined nor dropped. `side`: the longest of the whole surface's
 /// box, which weights of attributes are shares of.
 std::vector<Rung> make_ladder(Chunk chunk, double step, double least_share, double side,
-                              const SimplifyOptions& options, Progress* progress);
+                              const SimplifyOptions& options);
 
 }  // namespace recede::detail

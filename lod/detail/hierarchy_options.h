@@ -11,5 +11,6 @@ inline constexpr std::array k_default_ratios{0.5, 0.25, 0.1, 0.03, 0.01};
 
 /// Throws `OptionError` for options out of range.
 void check(const HierarchyOptions& options);
+void check(const ViewSettings& view);
 
 }  // namespace recede::detail

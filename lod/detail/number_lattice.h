@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 namespace recede::detail {
@@ -19,7 +18,7 @@ struct NumberLattice {
 
   /// The narrowest form that holds all the numbers bit for bit.
   static NumberLattice lossless(std::span<const std::span<const double>> lists);
-  /// `bits` over the range of the numbers, or over `extent` from its lower end when that is given.
+  /// Integers of `bits` over `extent` from `lowest` on.
   static NumberLattice quantised(double lowest, double extent, int bits);
 
   std::int64_t to_integer(double value) const;

@@ -11,9 +11,10 @@ struct CoveringPlane {
   std::vector<Index> faces;  ///< rising; each face is at one plane
 };
 
-/// Planes such that each face is within `error` of its own, in units of the model's size. Greedy: the plane
-/// that sees the largest area of what is left, out of some directions and all offsets, improved from there
-/// (Decoret et al. 2003); then planes go whose faces others can take.
+/// Planes such that each face is within `error` of its own, in units of the model's size; faces that are bent
+/// by more have one each. Greedy: the plane that sees the largest area of what is left, out of some
+/// directions and all offsets, improved from there (Decoret et al. 2003); then planes go whose faces others
+/// can take. Throws `OptionError` for an error so small that offsets are too many.
 std::vector<CoveringPlane> cover_by_planes(const BillboardFaces& faces, double error,
                                            Progress* progress = nullptr);
 

@@ -31,7 +31,6 @@ class PmeshTable {
   Index vertex(Index corner) const { return vertex_[corner]; }
   Index next(Index corner) const { return next_[corner]; }
   Index previous(Index corner) const { return previous_[corner]; }
-  Index face(Index corner) const { return face_[corner]; }
   Index face_corner(Index face) const { return face_corner_[face]; }
 
   template <typename Visit>

@@ -15,13 +15,11 @@ class RankBuckets {
 
   /// Number of items present.
   std::size_t size() const { return size_; }
-  bool contains(Index item) const { return place_[item].bucket != k_no_index; }
   /// Inserts an absent item or moves a present one. `cost` must not be negative.
   void set(Index item, double cost);
   void erase(Index item);
   /// An item with exactly `rank` or fewer items in cheaper buckets; `rank` below `size()`.
   Index at_rank(std::size_t rank) const;
-  void clear();
 
  private:
   struct Place {

@@ -24,7 +24,6 @@ class ScratchFile {
   };
   Extent append(std::string_view bytes);
   std::string read(const Extent& extent) const;
-  std::size_t size() const { return size_; }
 
  private:
   [[noreturn]] void fail(int error) const;

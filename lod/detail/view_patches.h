@@ -53,8 +53,7 @@ class ViewPatches {
 
  private:
   void halve_uneven_edges(const GridSpace& space, const RemeshOptions& options);
-  void require_few(const std::vector<ViewPatch>& even, const std::vector<ViewPatch>& others,
-                   std::size_t most) const;
+  double about_triangles(const ViewPatch& patch) const;
   void connect();
   void collect_point_uses();
 

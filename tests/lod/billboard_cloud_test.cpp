@@ -250,6 +250,52 @@ TEST(BillboardCloud, CoversWithFewPlanes) {
     expect_cloud(model, cloud, options, box.diagonal().norm());
 }
 
+// Two triangles of equal size that turn against each other, and a square upright beside them.
+TEST(BillboardCloud, HoldsFacesThatCrossThemselves) {
+  const PolygonSoup model =
+      soup_of({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}, {2, 1, 1}, {2, 0, 1}},
+              {{0, 1, 2, 3}, {4, 5, 6, 7}});
+  for (const BillboardMethod method :
+       {BillboardMethod::face_clustering, BillboardMethod::plane_cover, BillboardMethod::simplification}) {
+    BillboardOptions options;
+    options.method = method;
+    options.errors = {0.01};
+    const BillboardCloud cloud = build_billboard_clouds(model, options)[0];
+    ASSERT_EQ(cloud.billboards.size(), 2u) << static_cast<int>(method);
+    for (const Billboard& billboard : cloud.billboards) {
+      constexpr double k_turned = 2e-4;  // one less the cosine of a turn within the error
+      EXPECT_NEAR(billboard.area(), 1, k_turned);
+      EXPECT_LE(billboard.error, 0.01);
+      EXPECT_NEAR(std::abs(billboard.normal()[billboard.faces[0] == 0 ? 2 : 0]), 1, k_turned);
+    }
+  }
+}
+
+// No plane is within a hundredth of a quad whose corners are a half above and below.
+TEST(BillboardCloud, HasOneForAFaceThatIsBentByMoreThanItsError) {
+  const PolygonSoup saddles = soup_of(
+      {{0, 0, 0.5}, {1, 0, -0.5}, {1, 1, 0.5}, {0, 1, -0.5}, {3, 0, 0}, {4, 0, 0}, {4, 1, 0}, {3, 1, 0}},
+      {{0, 1, 2, 3}, {4, 5, 6, 7}});
+  for (const BillboardMethod method :
+       {BillboardMethod::face_clustering, BillboardMethod::plane_cover, BillboardMethod::simplification}) {
+    BillboardOptions options;
+    options.method = method;
+    options.errors = {0.01};
+    const BillboardCloud cloud = build_billboard_clouds(saddles, options)[0];
+    std::vector<Index> faces;
+    for (const Billboard& billboard : cloud.billboards) {
+      faces.insert(faces.end(), billboard.faces.begin(), billboard.faces.end());
+      if (billboard.faces[0] == 0) {
+        EXPECT_NEAR(billboard.error, 0.5, 1e-9) << "rounding";
+      } else {
+        EXPECT_LE(billboard.error, 0.01);
+      }
+    }
+    std::sort(faces.begin(), faces.end());
+    EXPECT_EQ(faces, (std::vector<Index>{0, 1})) << static_cast<int>(method);
+  }
+}
+
 TEST(BillboardCloud, CoversLooseLeaves) {
   const PolygonSoup model = leaves(150, 2);
   BillboardOptions options;
@@ -384,6 +430,10 @@ TEST(BillboardCloud, RefusesWhatHasNoMeaning) {
   refuses([](BillboardOptions& options) { options.largest_waste = 0.5; });
   refuses([](BillboardOptions& options) { options.largest_deviation = -1; });
   refuses([](BillboardOptions& options) { options.n_neighbours = 0; });
+  refuses([](BillboardOptions& options) {
+    options.method = BillboardMethod::plane_cover;
+    options.errors = {1e-9};
+  });
   EXPECT_THROW(build_billboard_clouds({}), InputError);
   EXPECT_THROW(build_billboard_clouds(soup_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}})), InputError);
 }

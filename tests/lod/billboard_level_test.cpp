@@ -57,6 +57,18 @@ TEST(BillboardLevel, SeesWhatBillboardsDontShow) {
   EXPECT_NEAR(level.error.rms, 3 / std::sqrt(3), 0.1);  // one of three areas: two of the model, one drawn
 }
 
+// As of hairs that all rays of the samples miss.
+TEST(BillboardLevel, ThatShowsNothingIsAsFarOffAsTheModelIsWide) {
+  const PolygonSoup hair = test::soup_of({{0, 0, 0}, {1, 0, 0}, {1, 1e-3, 0}}, {{0, 1, 2}});
+  BillboardTextures textures = textures_of(hair, 0.1);
+  ASSERT_GT(billboard_level(hair, textures, "").error.bound, 0);
+  for (std::size_t i = 3; i < textures.color.samples.size(); i += 4) textures.color.samples[i] = 0;
+  const LevelError error = billboard_level(hair, textures, "").error;
+  EXPECT_NEAR(error.max, 1, 1e-6);  // the diagonal
+  EXPECT_EQ(error.rms, error.max);
+  EXPECT_EQ(error.bound, error.max);
+}
+
 TEST(BillboardLevel, ComesBackFromItsFiles) {
   const test::TempFolder folder;
   const PolygonSoup model = colored_ball();
@@ -120,7 +132,15 @@ TEST(BillboardLevel, OfDamagedFilesIsRefused) {
   EXPECT_THROW(read_hierarchy(files.folder), InputError);
 }
 
-TEST(BillboardLevel, NeedsAMesh) { EXPECT_THROW(billboard_hierarchy(uv_ball(4), "none", {}), OptionError); }
+TEST(BillboardLevel, NeedsACloudAndAView) {
+  const PolygonSoup model = uv_ball(4);
+  EXPECT_THROW(billboard_hierarchy(model, "none", {}), OptionError);
+  const std::vector<BillboardTextures> clouds{textures_of(model, 0.1)};
+  EXPECT_NO_THROW(billboard_hierarchy(model, "ball", clouds));
+  EXPECT_THROW(billboard_hierarchy(model, "ball", clouds, {.pixel_error = 0}), OptionError);
+  EXPECT_THROW(billboard_hierarchy(model, "ball", clouds, {.image_height = 0}), OptionError);
+  EXPECT_THROW(billboard_hierarchy(model, "ball", clouds, {.field_of_view = 4}), OptionError);
+}
 
 TEST(BillboardBudget, IsKeptAndUsed) {
   const PolygonSoup model = uv_ball(20);

@@ -219,6 +219,18 @@ TEST(BillboardTextures, BecomeRectanglesWithTextureCoordinates) {
   }
 }
 
+TEST(BillboardTextures, AreNotPlacedOnOtherQuadsThanRectangles) {
+  const PolygonSoup model = uv_ball(20);
+  BillboardTextures textures = texture_billboards(model, cloud_of(model, 0.02));
+  PolygonSoup quads = quads_of(textures);
+  textures.billboards.clear();
+  textures.places.clear();
+  EXPECT_TRUE(place_billboards(quads, textures));
+  // Still a right angle at the first corner.
+  quads.positions[2] += 0.1 * (quads.positions[2] - quads.positions[0]);
+  EXPECT_FALSE(place_billboards(quads, textures));
+}
+
 TEST(BillboardTextures, RefuseWhatHasNoMeaning) {
   const PolygonSoup model = square();
   const BillboardCloud cloud = cloud_of(model, 0.1);

@@ -2,7 +2,9 @@
 #include <recede/lod/cad_hierarchy.h>
 // After OpenMesh's headers: OpenCASCADE has a macro Handle.
 #include "cad_shapes.h"
+#include "seam_models.h"
 #include "temp_folder.h"
+#include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 
 #include <gtest/gtest.h>
@@ -81,6 +83,63 @@ TEST(CadHierarchy, KeepsAPartOnceForEachLevelHoweverManyInstancesThereAre) {
   const std::uintmax_t of_hundred = bytes_of("hundred");
   // A node of each level: its name, the number of its mesh and a matrix of 16 numbers of up to 20 digits.
   EXPECT_LT(of_hundred - of_three, 97u * 2u * 420u);
+}
+
+CadModel model_of(std::vector<CadPart> parts, const std::vector<double>& scales) {
+  CadModel model;
+  model.parts = std::move(parts);
+  for (Index part = 0; part < scales.size(); ++part) {
+    CadInstance& instance = model.instances.emplace_back();
+    instance.part = part;
+    instance.placement.scale(scales[part]);
+  }
+  return model;
+}
+
+TEST(CadHierarchy, WeighsErrorsOfPartsByTheirAreasWhereTheyAre) {
+  constexpr double k_error = 0.05;
+  const std::vector<double> scales{1, 4};
+  const CadModel model =
+      model_of({test::part_of({test::whole(test::ball(1))}), test::part_of(test::can(1, 2))}, scales);
+  double squares = 0, area = 0;
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    SeamModelOptions options;
+    options.seams.tolerance = options.hierarchy.largest_error = k_error / scales[i];
+    const SeamModel part = build_seam_model(model.parts[i], options);
+    SeamTessellation tessellation(part);
+    tessellation.update(k_error / scales[i]);
+    const SampledDeviation sampled = tessellation.sampled_deviation();
+    const double area_here = sampled.area * scales[i] * scales[i], rms_here = sampled.rms * scales[i];
+    squares += rms_here * rms_here * area_here;
+    area += area_here;
+  }
+  EXPECT_DOUBLE_EQ(levels_of(model, "round", {k_error}).hierarchy.levels[0].error.rms,
+                   std::sqrt(squares / area));
+}
+
+TEST(CadHierarchy, RefusesViewsOutOfRange) {
+  const CadModel model = model_of({test::part_of(test::box_faces({1, 1, 1}))}, {1});
+  for (const ViewSettings& view : {ViewSettings{.pixel_error = 0}, ViewSettings{.image_height = NAN},
+                                   ViewSettings{.field_of_view = -1}}) {
+    CadHierarchyOptions options;
+    options.view = view;
+    EXPECT_THROW(build_cad_hierarchy(model, "box", options), OptionError);
+  }
+}
+
+TEST(CadHierarchy, SaysWhichFacesHaveNoTrianglesAndWhy) {
+  const NurbsSurface square = test::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  TrimmedPatch crossed{square, {}, false, "bow"};
+  const std::vector<Vec2> corners{{0, 0}, {1, 1}, {1, 0}, {0, 1}};
+  crossed.loops.emplace_back();
+  for (std::size_t i = 0; i < 4; ++i)
+    crossed.loops[0].curves.push_back(test::line(corners[i], corners[(i + 1) % 4]));
+  CadPart part = test::part_of({crossed, test::whole(test::parallelogram({1, 0, 0}, {1, 0, 0}, {0, 1, 0}))});
+  part.name = "ribbon";
+  const CadHierarchy built = levels_of(model_of({part}, {1}), "ribbon", {0.01});
+  EXPECT_EQ(built.levels[0].missed,
+            (std::vector<std::string>{
+                "face bow of \"ribbon\": no triangles, as its loops cross or go around nothing"}));
 }
 
 TEST(CadHierarchy, PutsPartsWithoutInstancesWhereNodesOfGltfCant) {

@@ -43,14 +43,18 @@ TEST(GridSpace, HasVoxelsThatAreAsDeepAsWideAtEveryDepth) {
 TEST(GridSpace, KeepsVoxelsWhereDepthOnTheScreenStretchesThemTenfold) {
   // Depth on the screen for planes at 1 and 100, scaled so that a voxel at depth 10 is a cube.
   const auto on_screen = [](double z) { return 101.0 / 99 - 200 / (99 * z); };
-  const auto width_over_depth = [&](double z) {
-    constexpr double k_small = 1e-6;
-    const double slope = (on_screen(z + k_small) - on_screen(z - k_small)) / (2 * k_small);
-    return slope * z;  // depth of a voxel is 1 / slope, width grows with z
+  const GridSpace space = right_angle();
+  const auto width_over_depth = [&](auto&& steps_to, double z) {
+    constexpr double k_small = 1e-4;
+    const double slope = (steps_to(z + k_small) - steps_to(z - k_small)) / (2 * k_small);
+    return slope * space.voxel_size(z);  // depth of a voxel is 1 / slope
   };
-  const double at_10 = width_over_depth(10);
-  EXPECT_NEAR(width_over_depth(1) / at_10, 10, 1e-4);
-  EXPECT_NEAR(width_over_depth(100) / at_10, 0.1, 1e-4);
+  const auto in_space = [&](double z) { return space.steps_to(z); };
+  for (const double z : {1.0, 10.0, 100.0}) {
+    // The slope's square is what the quotient of differences is off by, at most 1e-8.
+    EXPECT_NEAR(width_over_depth(on_screen, z) / width_over_depth(on_screen, 10), 10 / z, 1e-6);
+    EXPECT_NEAR(width_over_depth(in_space, z) / width_over_depth(in_space, 10), 1, 1e-6);
+  }
 }
 
 TEST(GridSpace, PutsPixelsWhereTheCameraSeesThem) {

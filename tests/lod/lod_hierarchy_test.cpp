@@ -239,6 +239,12 @@ TEST(LodHierarchy, MapsOfEveryCoarserLevelAreFilesAndInTheGlb) {
   write_file_atomically(files.map_files[2].normal, encode_png(back.levels[1].maps->displacement));
   EXPECT_THAT(test::error_text([&] { read_hierarchy(files.folder); }),
               testing::HasSubstr("square map of 3 channels"));
+  Raster bytes = back.levels[1].maps->displacement;
+  bytes.bits = 8;
+  for (std::uint16_t& sample : bytes.samples) sample = static_cast<std::uint16_t>(sample / 257);
+  write_file_atomically(files.map_files[1].displacement, encode_png(bytes));
+  EXPECT_THAT(test::error_text([&] { read_hierarchy(files.folder); }),
+              testing::HasSubstr("level_1_displacement.png: isn't a map of heights, which has 16 bits"));
 }
 
 TEST(LodHierarchy, PicturesOfTheInputAreInTheGlbAndTheFolder) {
@@ -358,11 +364,17 @@ TEST(LodHierarchy, ADamagedFolderIsAnErrorThatNamesTheFile) {
   const test::TempFolder folder;
   const HierarchyFiles files =
       write_hierarchy(folder.path(), build_hierarchy(mesh_of(test::grid(8)), "grid", by_ratios({0.5})));
+  const std::string whole = read_whole_file(files.folder / "hierarchy.json");
   fs::remove(files.level_files[1]);
   EXPECT_THROW(read_hierarchy(files.folder), InputError);
   std::ofstream(files.folder / "hierarchy.json") << "{\"format\": \"recede hierarchy\", \"version\": 1";
   EXPECT_THROW(read_hierarchy(files.folder), InputError);
   EXPECT_THROW(read_hierarchy(folder.path() / "nothing"), InputError);
+  nlohmann::json list = nlohmann::json::parse(whole);
+  list["levels"] = nlohmann::json::array();
+  std::ofstream(files.folder / "hierarchy.json") << list;
+  EXPECT_THAT(test::error_text([&] { read_hierarchy(files.folder); }),
+              testing::HasSubstr("hierarchy.json: names no levels"));
 }
 
 }  // namespace

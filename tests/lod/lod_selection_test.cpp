@@ -8,7 +8,7 @@
 namespace recede {
 namespace {
 
-/// Levels with the shares of the source's table, and errors that are a thousandth of the missing share.
+/// Levels of fewer and fewer faces, and errors that grow with what is missing.
 LodHierarchy five_levels() {
   LodHierarchy hierarchy;
   for (const Index side : {10u, 9u, 8u, 6u, 4u}) {

@@ -74,6 +74,26 @@ TEST_P(PmeshHardCases, ComeBackFromFiles) {
 }
 INSTANTIATE_TEST_SUITE_P(All, PmeshHardCases, testing::ValuesIn(test::hard_cases()), test::case_name);
 
+TEST(Pmesh, KeepsAChangeOfTheSignOfAZero) {
+  const PolygonSoup soup = test::grid(4, true);
+  ProgressiveMesh mesh =
+      build_progressive_mesh(soup, test::options_for(CostPolicy::volume, VertexPlacement::half_edge));
+  ASSERT_GT(mesh.n_splits(), 0u);
+  // Vertices of this level don't move, but for the one of the first split, whose z was -0.
+  for (const VertexSplit& split : mesh.splits) {
+    const Vec3& place = mesh.positions[split.kept];
+    mesh.position_changes.push_back({place, place});
+  }
+  mesh.colors.assign(mesh.positions.size(), Vec4(0, 0, 0, 1));
+  mesh.color_changes.assign(mesh.n_splits(), {mesh.colors[0], mesh.colors[0]});
+  const Index kept = mesh.splits[0].kept;
+  mesh.positions[kept].z() = mesh.position_changes[0].coarse.z() = -0.0;
+  mesh.colors[kept].x() = mesh.color_changes[0].coarse.x() = -0.0;
+  const ProgressiveMesh back = decode(encode_pmesh(mesh, {.keep_numbering = true}));
+  for (const std::size_t level : {std::size_t{0}, std::size_t{1}, mesh.n_splits()})
+    test::expect_same_bits(level_of(back, level), level_of(mesh, level));
+}
+
 TEST(Pmesh, WithoutNumberingHasTheSamePolygonsInAnotherOrder) {
   for (const PolygonSoup& soup : {test::grid(20, true), test::grid(15), test::hexagon_sheet(12)}) {
     const ProgressiveMesh mesh =

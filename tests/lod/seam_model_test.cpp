@@ -36,7 +36,7 @@ TEST(SeamModel, OfABoxHasTwelveTrianglesOnTheFinestLevelAndTwoOnTheCoarsest) {
   const PolygonSoup soup = tessellation.soup();
   EXPECT_EQ(soup.positions.size(), 8u);
   EXPECT_TRUE(test::open_sides(soup).empty());
-  // Half a cube: from outside, all volumes are added.
+  // From outside, all volumes are added.
   EXPECT_NEAR(test::volume_of(soup), 6, 1e-12);
   const SeamUpdate coarse = tessellation.update(1e3);
   EXPECT_EQ(coarse.triangles, 2u);

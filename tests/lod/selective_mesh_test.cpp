@@ -8,13 +8,13 @@
 #include "soups.h"
 #include <recede/geometry/closest_point.h>
 #include <recede/geometry/error.h>
-#include <recede/geometry/mesh_io.h>
+#include <recede/lod/detail/polygon_normal.h>
 #include <recede/lod/detail/refined_graph.h>
 #include <recede/lod/selective_mesh.h>
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
+#include <numbers>
 #include <random>
 
 namespace recede {
@@ -221,6 +221,50 @@ ProgressiveMesh proved(const PolygonSoup& soup) {
   return build_progressive_mesh(soup, options_for(CostPolicy::volume, VertexPlacement::half_edge, true));
 }
 
+/// The faces around the vertices of each split, before and after it, lie in the sphere and the cone of the
+/// split and of all above it.
+void expect_bounds_hold(const ProgressiveMesh& mesh) {
+  const detail::HierarchyBounds bounds = detail::bound_hierarchy(mesh);
+  const VertexHierarchy hierarchy = detail::hierarchy_of(mesh);
+  LinkedLevel level(mesh, LevelState(mesh));
+  std::size_t outside = 0, n = 0;
+  const auto look = [&](Index split, const Star& star) {
+    for (const auto& [face, loop] : star) {
+      std::vector<Vec3> points;
+      for (const Index vertex : loop) points.push_back(level.state().positions()[vertex]);
+      const Vec3 normal = detail::twice_vector_area(points);
+      for (Index above = split; above != k_no_index; above = hierarchy.preceding(above)) {
+        const detail::RefinementBounds& b = bounds.splits[above];
+        const Vec3 center = bounds.origin + Vec3(b.center[0], b.center[1], b.center[2]),
+                   axis(b.axis[0], b.axis[1], b.axis[2]);
+        for (const Vec3& p : points) outside += (p - center).norm() > static_cast<double>(b.radius);
+        ++n;
+        if (b.angle > std::numbers::pi_v<float> || normal.isZero(0)) continue;
+        // Of normals rounding leaves less than bounds have room for.
+        const double angle = std::atan2(axis.cross(normal).norm(), axis.dot(normal));
+        outside += axis.isZero(0) || angle > static_cast<double>(b.angle);
+      }
+    }
+  };
+  for (Index s = 0; s < mesh.splits.size(); ++s) {
+    look(s, star_of(level, mesh.splits[s].kept));
+    level.apply<true>(s);
+    look(s, star_of(level, mesh.splits[s].kept));
+    look(s, star_of(level, mesh.splits[s].removed));
+  }
+  EXPECT_GT(n, 0u);
+  EXPECT_EQ(outside, 0u) << "of " << n;
+}
+
+TEST(RefinementBounds, HoldTheFacesOfASplitAndOfAllBelowIt) {
+  for (const PolygonSoup& soup :
+       {make_displaced_sphere(600, true), make_displaced_sphere(600, false), test::hexagon_sheet(8),
+        test::double_sided_sheet(8), test::book_of_sheets(3, 6), test::grid(6, true)}) {
+    for (const ProgressiveOptions& options : all_ways())
+      expect_bounds_hold(build_progressive_mesh(soup, options));
+  }
+}
+
 RefinementView random_view(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
   RefinementView view;
@@ -309,7 +353,6 @@ TEST(SelectiveMesh, IsFineInTheImageAndOnSilhouettesOnly) {
   view.target = {0, 0, 8};
   EXPECT_LT(selective.update(view).faces, 20u);
   // Its right half alone.
-  view.target = {0, 0, 0};
   view.position = {0, 0, 1.5};
   view.target = {1.5, 0, 0.5};
   selective.update(view);

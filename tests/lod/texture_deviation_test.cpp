@@ -132,6 +132,15 @@ TEST(TextureDeviation, NothingTurnsOverInTheTextureAtAnyLevel) {
   }
 }
 
+// On a closed surface without seams every edge may go by its place; half of all turn over in this texture.
+TEST(TextureDeviation, CountsWhatItRefusesAsTurnedOver) {
+  PolygonSoup ball = make_displaced_sphere(1000, true);
+  set_uvs(ball, [](const Vec3& p) { return Vec2(p.x(), p.y()); });
+  const SimplifySoupResult result = simplify(ball, by_texture(0.9));
+  EXPECT_GT(result.refused[Refusal::flip], 0u);
+  EXPECT_EQ(result.refused[Refusal::border], 0u);
+}
+
 TEST(TextureDeviation, ATextureThatSlidesCountsAndAVolumeDoesNot) {
   // A flat sheet with a bent texture: no shape is lost, but texture is.
   PolygonSoup sheet = test::grid(24, true);
