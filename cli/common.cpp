@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <set>
 #include <system_error>
 
 namespace recede::cli {
@@ -293,6 +294,19 @@ void print_repairs(const RepairReport& report, const CommonOptions& options) {
   for (const RepairStep& step : report.steps) {
     if (step.changed > 0) print_remark(fmt::format("{}: {}", step.name, step.detail), options);
   }
+}
+
+void print_missing_pictures(const std::vector<Material>& materials, const CommonOptions& options) {
+  std::set<std::string> missing;
+  for (const Material& material : materials) {
+    if (!material.base_color_picture) missing.insert(material.base_color_texture);
+    if (!material.normal_picture) missing.insert(material.normal_texture);
+  }
+  missing.erase("");
+  if (missing.empty()) return;
+  print_remark(
+      fmt::format("no picture of texture {}, of which only the name is left", fmt::join(missing, ", ")),
+      options);
 }
 
 Json repairs_to_json(const RepairReport& report) {

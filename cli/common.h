@@ -119,6 +119,8 @@ void mark_features(PolygonMesh& mesh, double feature_angle);
 void print_repairs(const RepairReport& report, const CommonOptions& options);
 /// Says so when a file or folder has the name of a built-in model, and stands for that.
 void remark_hidden_model(const std::string& input, const CommonOptions& options);
+/// Says which textures have no pictures.
+void print_missing_pictures(const std::vector<Material>& materials, const CommonOptions& options);
 /// A remark on standard error.
 void print_remark(const std::string& text, const CommonOptions& options);
 

@@ -103,6 +103,7 @@ void Drawn::read_input(Progress* progress) {
     hierarchy_.levels.emplace_back();
   } else if (!folder_.empty()) {
     hierarchy_ = read_hierarchy(folder_);
+    print_missing_pictures(hierarchy_.levels.front().mesh.materials, options_.common);
     shells_.resize(hierarchy_.levels.size());
     for (std::size_t level = 0; level < shells_.size(); ++level) {
       if (const fs::path file = shell_file(folder_, level); fs::exists(file))

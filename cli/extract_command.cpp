@@ -136,6 +136,7 @@ void run(const ExtractOptions& options) {
   else
     check_mesh_path(options.output);
   const ProgressiveMesh mesh = read_pmesh(options.input);
+  print_missing_pictures(mesh.materials, options.common);
   if (options.camera.eye) return extract_view(options, mesh);
   if (options.morph.is_given()) return extract_morph(options, mesh);
   extract_level(options, mesh);

@@ -44,11 +44,12 @@ struct PmeshReport {
 std::string encode_pmesh(const ProgressiveMesh& mesh, const PmeshOptions& options = {},
                          PmeshReport* report = nullptr);
 
-/// Writes the file whole or not at all.
+/// Writes the file whole or not at all, and the pictures of base colours beside it.
 PmeshReport write_pmesh(const std::filesystem::path& path, const ProgressiveMesh& mesh,
                         const PmeshOptions& options = {});
 
-/// Reads a whole file. Throws `InputError` with the byte where it went wrong.
+/// Reads a whole file, and the pictures that its materials name (`PictureLoader`) as far as they are there.
+/// Throws `InputError` with the byte where it went wrong.
 ProgressiveMesh read_pmesh(const std::filesystem::path& path);
 
 /// Reads a stream as its bytes arrive. After every batch there is a mesh, whose finest level is what has

@@ -1,5 +1,6 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/error.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/detail/pmesh_chunks.h>
 #include <recede/lod/detail/pmesh_numbering.h>
 #include <recede/lod/pmesh.h>
@@ -144,7 +145,9 @@ ProgressiveMesh read_pmesh(const std::filesystem::path& path) {
   reader.feed(content);
   if (!reader.is_complete())
     throw InputError::at_byte(path.string(), content.size(), "the file ends too early");
-  return reader.mesh();
+  ProgressiveMesh mesh = reader.mesh();
+  PictureLoader(path.parent_path()).load(mesh.materials);
+  return mesh;
 }
 
 }  // namespace recede

@@ -1,4 +1,5 @@
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/detail/pmesh_chunks.h>
 #include <recede/lod/detail/pmesh_numbering.h>
@@ -273,11 +274,11 @@ const char* name_of(NumberLattice::Form form) {
   return "quantised";
 }
 
-}  // namespace
-
-std::string encode_pmesh(const ProgressiveMesh& mesh, const PmeshOptions& options, PmeshReport* report) {
+std::string encode(const ProgressiveMesh& mesh, std::vector<Material> materials, const PmeshOptions& options,
+                   PmeshReport* report) {
   check(options);
   PmeshHeader header = make_header(mesh, options);
+  header.materials = std::move(materials);
   const std::vector<std::size_t> ends = batch_ends(mesh);
   header.n_batches = ends.size();
   ChunkWriter writer;
@@ -314,10 +315,20 @@ std::string encode_pmesh(const ProgressiveMesh& mesh, const PmeshOptions& option
   return writer.take(report);
 }
 
+}  // namespace
+
+std::string encode_pmesh(const ProgressiveMesh& mesh, const PmeshOptions& options, PmeshReport* report) {
+  return encode(mesh, mesh.materials, options, report);
+}
+
 PmeshReport write_pmesh(const std::filesystem::path& path, const ProgressiveMesh& mesh,
                         const PmeshOptions& options) {
   PmeshReport report;
-  write_file_atomically(path, encode_pmesh(mesh, options, &report));
+  detail::OutputFile output;
+  std::vector<Material> materials = detail::with_pictures_beside(path, mesh.materials, output);
+  output.content = encode(mesh, std::move(materials), options, &report);
+  for (const auto& [beside, content] : output.beside) write_file_atomically(beside, content);
+  write_file_atomically(path, output.content);
   return report;
 }
 

@@ -1,4 +1,5 @@
 // `recede progressive` and `recede extract`, from a file through a .pmesh to files of levels.
+#include "pictures.h"
 #include "run_recede.h"
 #include <recede/geometry/mesh_io.h>
 
@@ -94,6 +95,25 @@ TEST(ProgressiveCommand, BitsMakeTheFileSmallerAndMoveVerticesByNoMoreThanItSays
   EXPECT_EQ(full.at("faces"), lossless.at("faces"));
   EXPECT_LE(seen_error(folder), move);
   EXPECT_GE(full.at("level_error"), move) << "errors include what quantisation adds";
+}
+
+TEST(ProgressiveCommand, LevelsBringThePicturesOfTheInput) {
+  const TempFolder folder;
+  const std::string picture = encode_png(four_colors());
+  folder.write("skin.png", picture);
+  folder.write("skin.mtl", "newmtl skin\nmap_Kd skin.png\n");
+  folder.write("square.obj",
+               "mtllib skin.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+               "vt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+  std::filesystem::create_directory(folder / "levels");
+  const std::string pmesh = folder / "levels/square.pmesh";
+  EXPECT_EQ(run_recede({"progressive", folder / "square.obj", "-o", pmesh, "--json"}).remarks, "");
+  EXPECT_EQ(read_whole_file(folder / "levels/skin.png"), picture);
+  const std::vector<std::string> extract{"extract", pmesh, "-o", folder / "levels/level.glb", "--json"};
+  EXPECT_EQ(run_recede(extract).remarks, "");
+  EXPECT_EQ(*read_soup(folder / "levels/level.glb").materials.at(0).base_color_picture, picture);
+  std::filesystem::remove(folder / "levels/skin.png");
+  EXPECT_THAT(run_recede(extract).remarks, HasSubstr("no picture of texture skin.png"));
 }
 
 TEST(ProgressiveCommand, WithoutMeasuringErrorsAreEstimates) {

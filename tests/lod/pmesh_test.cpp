@@ -2,6 +2,7 @@
 #include "hard_cases.h"
 #include "input_errors.h"
 #include "meshes.h"
+#include "pictures.h"
 #include "progressive.h"
 #include "soups.h"
 #include "temp_folder.h"
@@ -54,6 +55,30 @@ TEST(Pmesh, RestoresRandomPolygonsWithAllAttributes) {
       expect_round_trip(soup, build_progressive_mesh(soup, options));
     }
   }
+}
+
+TEST(Pmesh, PicturesOfBaseColoursStandBesideTheFile) {
+  PolygonSoup soup = test::random_soup(3, {.scalars = true, .floats = true});
+  soup.materials = {{"skin", Vec4::Ones(), "maps/skin.png"}, {"same", Vec4::Ones(), "skin.png"}};
+  soup.materials[0].base_color_picture = test::png_of(test::four_colors());
+  soup.materials[1].base_color_picture = test::png_of(test::four_quarters());
+  soup.face_materials.assign(soup.n_faces(), 1);
+  const ProgressiveMesh mesh = build_progressive_mesh(soup);
+  EXPECT_EQ(mesh.materials, soup.materials);
+  const test::TempFolder folder;
+  write_pmesh(folder / "a.pmesh", mesh);
+  const ProgressiveMesh back = read_pmesh(folder / "a.pmesh");
+  ASSERT_EQ(back.materials.size(), 2u);
+  EXPECT_EQ(back.materials[0].base_color_texture, "skin.png");
+  EXPECT_EQ(back.materials[1].base_color_texture, "a_skin.png") << "another picture has the name";
+  for (std::size_t m = 0; m < 2; ++m) {
+    ASSERT_TRUE(back.materials[m].base_color_picture);
+    EXPECT_EQ(*back.materials[m].base_color_picture, *soup.materials[m].base_color_picture);
+  }
+  std::filesystem::remove(folder / "skin.png");
+  const std::vector<Material> without = read_pmesh(folder / "a.pmesh").materials;
+  EXPECT_FALSE(without[0].base_color_picture);
+  EXPECT_EQ(without[0].base_color_texture, "skin.png");
 }
 
 class PmeshHardCases : public testing::TestWithParam<test::HardCase> {};
