@@ -27,7 +27,7 @@ struct Billboard {
 };
 
 struct BillboardCloud {
-  double error = 0;  ///< that was asked for: no billboard's is larger
+  double error = 0;  ///< that was asked for: no billboard's is larger, but of a face that is bent by more
   std::vector<Billboard> billboards;
   std::size_t left_out = 0;  ///< faces without area
   bool is_two_sided = false;

@@ -49,7 +49,7 @@ struct MapReport {
   double search_distance = 0;  ///< object units
   std::size_t texels = 0;      ///< whose middles lie in a triangle of the coarse surface
   std::size_t missed = 0;      ///< those of them whose line met nothing; the closest point took over
-  std::size_t seam_edges = 0;  ///< edges whose two sides lie apart in the maps
+  std::size_t seam_edges = 0;  ///< edges whose two sides lie apart in the maps; 0 without displacement
   /// Largest difference of heights between the two sides of a seam, object units: as found, and in the map
   /// that was stored, the floats where there are some. Exact for bilinear lookup.
   double seam_difference_before = 0, seam_difference = 0;

@@ -179,7 +179,7 @@ TEST(OctahedralImpostor, HasAPictureForEachDirection) {
     EXPECT_EQ(cloud.billboards[i].faces.size(), model.n_faces());
     EXPECT_NEAR(cloud.billboards[i].axis_u.cross(cloud.billboards[i].axis_v).norm(), 1, 1e-12);
   }
-  EXPECT_NEAR(cloud.error, 0.5, 0.01);
+  EXPECT_NEAR(cloud.error, 0.5, 1e-12);
 }
 
 TEST(OctahedralImpostor, ChoosesAViewThatIsNear) {

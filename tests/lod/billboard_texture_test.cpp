@@ -257,7 +257,7 @@ TEST(MaskedArea, IsKeptForThinParts) {
   detail::keep_thin_parts(opacity, 20, 20);
   double sum = 0;
   for (std::size_t i = 0; i < 20; ++i) sum += 0.1 + 0.001 * static_cast<double>(i % 5);
-  EXPECT_NEAR(detail::masked_area(opacity, 20, 20), sum, 0.3);
+  EXPECT_NEAR(detail::masked_area(opacity, 20, 20), sum, 0.05);
 }
 
 }  // namespace

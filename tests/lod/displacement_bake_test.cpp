@@ -259,7 +259,7 @@ TEST(DisplacementBake, PolygonsOfAnySizeStandForTheirTriangles) {
   EXPECT_GT(maps.report.seam_edges, 0u);
   const PolygonSoup diced = dice_surface(maps, {.parts = 8});
   EXPECT_EQ(diced.n_faces(), 64u * triangulate(fine).size() / 3);
-  EXPECT_LT(measure_distance(fine, diced).max, 0.01) << "a surface over itself, up to a texel at its edges";
+  EXPECT_LT(measure_distance(fine, diced).max, 1e-12) << "a surface over itself, up to rounding";
 }
 
 /// Largest difference across edges that are apart in the atlas, by an evaluator of its own at 64 places each.
@@ -431,8 +431,8 @@ TEST(DisplacementBake, TakesSurfacesThatAreNoManifoldsOrHaveFacesWithoutArea) {
   }
   for (const PolygonSoup& soup : {fan, sheet, apart}) {
     const BakedMaps maps = bake_maps(soup, soup, {.size = 64});
-    EXPECT_TRUE(std::isfinite(maps.height_offset) && std::isfinite(maps.height_scale));
-    EXPECT_LT(std::abs(maps.height_offset) + maps.height_scale, 2);
+    // Surfaces over themselves, up to rounding.
+    EXPECT_LT(std::abs(maps.height_offset) + std::abs(maps.height_scale), 1e-12);
     for (const Vec3& normal : maps.surface.corner_normals) EXPECT_NEAR(normal.norm(), 1, 1e-12);
     for (const Vec4& tangent : maps.corner_tangents) EXPECT_NEAR(tangent.head<3>().norm(), 1, 1e-12);
     for (const Vec3& p : dice_surface(maps).positions) ASSERT_TRUE(p.allFinite());

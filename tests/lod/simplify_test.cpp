@@ -297,9 +297,9 @@ TEST(Simplify, TextureCoordinatesSurviveOnBothSidesOfASeam) {
     for (std::size_t c = 0; c < coarse.n_corners(); ++c) {
       const Vec3& p = coarse.positions[coarse.corner_vertices[c]];
       const double shift = coarse.corner_uvs[c].x() > 5 ? 10 : 0;
-      EXPECT_NEAR(coarse.corner_uvs[c].x() - shift, p.x(), 1e-6);
-      EXPECT_NEAR(coarse.corner_uvs[c].y(), p.y(), 1e-6);
-      EXPECT_TRUE(shift == 10 ? p.x() > 0.5 - 1e-6 : p.x() < 0.5 + 1e-6);
+      EXPECT_NEAR(coarse.corner_uvs[c].x() - shift, p.x(), 1e-12);
+      EXPECT_NEAR(coarse.corner_uvs[c].y(), p.y(), 1e-12);
+      EXPECT_TRUE(shift == 10 ? p.x() > 0.5 - 1e-12 : p.x() < 0.5 + 1e-12);
     }
   }
 }
