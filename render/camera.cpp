@@ -120,11 +120,13 @@ namespace {
 using SeenPoints = std::vector<Vec3>;
 
 // From where on the axis through `middle` all points lie inside a picture of this half side at distance 1.
-double fitting_distance(const SeenPoints& points, const Vec3& middle, double slope) {
+// Those on the axis itself, as a tip that points at the camera, lie at least as far off it as `least`.
+double fitting_distance(const SeenPoints& points, const Vec3& middle, double slope, double least) {
   double distance = 0;
   for (const Vec3& point : points) {
     const Vec3 offset = point - middle;
-    distance = std::max(distance, offset.z() + offset.head<2>().cwiseAbs().maxCoeff() / slope);
+    const double aside = std::max(offset.head<2>().cwiseAbs().maxCoeff(), least);
+    distance = std::max(distance, offset.z() + aside / slope);
   }
   return distance > 0 ? distance : 1.0;  // a single point looks the same from anywhere
 }
@@ -161,14 +163,15 @@ Camera frame_points(std::span<const Vec3> points, const Vec3& direction, const V
     box.extend(seen[i]);
   }
   const double slope = std::tan(field_of_view / 2) * (1 - margin);
+  const double least = 1e-3 * box.sizes().maxCoeff();
   Vec3 middle = box.center();
-  double distance = fitting_distance(seen, middle, slope);
+  double distance = fitting_distance(seen, middle, slope, least);
   // Near parts look larger than far ones, so the box's middle isn't the picture's. Each round moves the axis
   // to the middle of what the camera saw before; few rounds do, since the shifts shrink fast.
   constexpr int k_rounds = 3;
   for (int round = 0; round < k_rounds; ++round) {
     middle.head<2>() += offset_in_picture(seen, middle, distance);
-    distance = fitting_distance(seen, middle, slope);
+    distance = fitting_distance(seen, middle, slope, least);
   }
   camera.target = points[0] + axes.transpose() * middle;
   camera.position = camera.target - frame.forward * distance;

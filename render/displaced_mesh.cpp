@@ -473,6 +473,10 @@ PolygonSoup DisplacedMesh::tessellate(double fraction) const {
     first_points.push_back(first_points.back() + (side + 1) * (side + 1));
     first_triangles.push_back(first_triangles.back() + (patch.is_single ? side * side : 2 * side * side));
   }
+  // Vertices and corners have numbers of 32 bits.
+  if (std::max(first_points.back(), 3 * first_triangles.back()) > std::numeric_limits<Index>::max())
+    throw InputError("a displaced surface of " + std::to_string(first_triangles.back()) +
+                     " small triangles can't be tessellated");
   PolygonSoup soup;
   soup.positions.assign(first_points.back(), Vec3::Zero());
   soup.corner_vertices.resize(3 * first_triangles.back());

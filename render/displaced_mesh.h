@@ -78,6 +78,7 @@ class DisplacedMesh {
 
   /// All small triangles, for comparisons and for export: their points are bit by bit those that rays meet,
   /// up to the change of scale. Points that neighbours share are stored once for each pair of triangles.
+  /// Throws `InputError` for more than a soup has numbers for, some 1.4e9.
   PolygonSoup tessellate(double fraction = 1) const;
 
   std::size_t small_triangles() const;

@@ -16,10 +16,10 @@ constexpr int k_doublings = 8;
 constexpr Index k_around = 48;
 
 // Below the middle of the models, at the height of their lowest vertex.
-Vec3 foot_of(std::span<const PolygonSoup> soups, const Box3& box, const Vec3& up) {
+Vec3 foot_of(std::span<const std::span<const Vec3>> models, const Box3& box, const Vec3& up) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (const PolygonSoup& soup : soups) {
-    for (const Vec3& position : soup.positions) lowest = std::min(lowest, up.dot(position - box.center()));
+  for (const std::span<const Vec3> points : models) {
+    for (const Vec3& point : points) lowest = std::min(lowest, up.dot(point - box.center()));
   }
   return box.center() + lowest * up;
 }
@@ -28,15 +28,17 @@ Vec3 foot_of(std::span<const PolygonSoup> soups, const Box3& box, const Vec3& up
 
 // Rings whose width grows with their distance: near the models, where rays are traced to the last digit,
 // triangles are as small as they are.
-PolygonSoup ground_disc(std::span<const PolygonSoup> soups, const Ground& ground) {
+PolygonSoup ground_disc(std::span<const std::span<const Vec3>> models, const Ground& ground) {
   if (!(ground.up.norm() > 0) || !ground.up.allFinite())
     throw OptionError("the ground needs a direction that points up");
   const Vec3 up = ground.up.normalized(), across = up.unitOrthogonal(), along = up.cross(across);
   Box3 box;
-  for (const PolygonSoup& soup : soups) box.extend(bounding_box(soup));
+  for (const std::span<const Vec3> points : models) {
+    for (const Vec3& point : points) box.extend(point);
+  }
   const double extent = box.sizes().maxCoeff() > 0 ? box.sizes().maxCoeff() : 1.0;
   PolygonSoup disc;
-  disc.positions.push_back(foot_of(soups, box, up));
+  disc.positions.push_back(foot_of(models, box, up));
   for (int ring = 0; ring <= k_doublings; ++ring) {
     for (Index i = 0; i < k_around; ++i) {
       const double angle = 2 * std::numbers::pi * i / k_around;

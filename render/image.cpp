@@ -22,6 +22,7 @@ Rgb rgb_from_hex(unsigned hex) {
 
 Image shrink(const Image& image, int factor) {
   if (factor < 1) throw OptionError("an image shrinks by a factor of at least 1");
+  factor = std::min(factor, std::max({1, image.width, image.height}));  // beyond, all is one block
   Image small((image.width + factor - 1) / factor, (image.height + factor - 1) / factor);
   for (int y = 0; y < small.height; ++y) {
     for (int x = 0; x < small.width; ++x) {

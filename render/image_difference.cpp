@@ -112,6 +112,7 @@ Rgb heat_map_color(double share) {
 Image heat_map(const FloatRaster& values, double full_scale, int factor) {
   if (!(full_scale > 0) || factor < 1)
     throw OptionError("a heat map needs a scale above 0 and a factor of at least 1");
+  factor = std::min(factor, std::max({1, values.width, values.height}));  // beyond, all is one block
   Image map((values.width + factor - 1) / factor, (values.height + factor - 1) / factor);
   std::vector<float> largest(map.pixels.size(), 0.0f);
   for (int y = 0; y < values.height; ++y) {

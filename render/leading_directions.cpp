@@ -1,7 +1,6 @@
 #include <recede/render/detail/leading_directions.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -43,11 +42,6 @@ Eigen::MatrixXf exact_directions(const VectorRows& rows, Eigen::Index count, dou
   directions.leftCols(found) = columns.colwise().normalized().cast<float>();
   clear_rounding(directions, squares, least);
   return directions;
-}
-
-Eigen::MatrixXf orthonormal(Eigen::MatrixXf columns) {
-  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXf>> factors(columns);
-  return factors.householderQ() * Eigen::MatrixXf::Identity(columns.rows(), columns.cols());
 }
 
 }  // namespace

@@ -84,13 +84,14 @@ std::vector<float> parts_of(const VectorClusters& clusters, const detail::Vector
 }
 
 /// The power of two that brings the largest number to between 2^14 and 2^15: halves go up to nearly 2^16, and
-/// have all their digits down to 2^-14.
+/// have all their digits down to 2^-14. Of numbers so small that it would have too few digits itself, the
+/// least that has all.
 float scale_of(const std::vector<float>& numbers) {
   float largest = 0;
   for (const float number : numbers) largest = std::max(largest, std::abs(number));
   int exponent = 15;
   if (largest > 0) std::frexp(largest, &exponent);
-  return std::ldexp(1.0F, exponent - 15);
+  return std::max(std::ldexp(1.0F, exponent - 15), std::numeric_limits<float>::min());
 }
 
 }  // namespace

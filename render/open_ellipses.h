@@ -26,7 +26,7 @@ struct OpenEllipse {
 };
 
 struct OpenEllipsesOptions {
-  /// Moves centre and axes too, where the source only changes radii: fits better.
+  /// The search changes radii alone, as the source's does. Else centre and axes move too, which fits better.
   bool radii_only = false;
   /// Width of the edge over which openness falls from 1 to 0, about radians of the light's angle; 0: sharp.
   double soft_edge = 0.15;

@@ -190,6 +190,7 @@ class TableMaker {
   /// wide as a row, since one place stands for what lies around it.
   std::vector<double> direct_light_on_places(int row) const {
     std::vector<double> light;
+    light.reserve(visibility_.place_count() * azimuths_);
     const double step = k_pi / 2 / (options_.light_angles - 1);
     for (std::size_t place = 0; place < visibility_.place_count(); ++place) {
       const detail::Crest* crests = horizons_.of_place(place);

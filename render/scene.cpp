@@ -61,10 +61,11 @@ Box3 box_of(const PlacedVolume& volume) {
   return box;
 }
 
-// A soup of a box's corners alone.
-PolygonSoup corners_of(const Box3& box) {
-  PolygonSoup corners;
-  for (int k = 0; k < 8; ++k) corners.positions.push_back(box.corner(static_cast<Box3::CornerType>(k)));
+using BoxCorners = std::array<Vec3, 8>;
+
+BoxCorners corners_of(const Box3& box) {
+  BoxCorners corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) corners[k] = box.corner(static_cast<Box3::CornerType>(k));
   return corners;
 }
 
@@ -271,17 +272,13 @@ void Scene::build(std::span<const PolygonSoup> soups, std::span<const PlacedBill
     if (soup.n_faces() == 0) throw InputError("a surface without faces can't be drawn");
     box.extend(bounding_box(soup));
   }
-  std::vector<PolygonSoup> on_ground(soups.begin(), soups.end());
   std::vector<Box3> without_mesh;
   for (const PlacedBillboards& placed : billboards) {
     without_mesh.push_back(box_of(placed));
     if (without_mesh.back().isEmpty()) throw InputError("billboards without any can't be drawn");
   }
   for (const PlacedVolume& placed : volumes) without_mesh.push_back(box_of(placed));
-  for (const Box3& around : without_mesh) {
-    box.extend(around);
-    on_ground.push_back(corners_of(around));
-  }
+  for (const Box3& around : without_mesh) box.extend(around);
   place_scene(box, *data_);
   for (const PolygonSoup& soup : soups) add_mesh(soup, options.crease_angle, *data_);
   for (const PlacedBillboards& placed : billboards) {
@@ -297,7 +294,13 @@ void Scene::build(std::span<const PolygonSoup> soups, std::span<const PlacedBill
         data_->scaled(around.min()).cwiseAbs().cwiseMax(data_->scaled(around.max()).cwiseAbs()).norm(),
         *data_);
   }
-  if (options.ground) add_mesh(detail::ground_disc(on_ground, *options.ground), 0, *data_);
+  if (options.ground) {
+    std::vector<BoxCorners> boxes;
+    for (const Box3& around : without_mesh) boxes.push_back(corners_of(around));
+    std::vector<std::span<const Vec3>> models(boxes.begin(), boxes.end());
+    for (const PolygonSoup& soup : soups) models.emplace_back(soup.positions);
+    add_mesh(detail::ground_disc(models, *options.ground), 0, *data_);
+  }
   build_embree_scenes(*data_);
 }
 
@@ -379,8 +382,8 @@ void Scene::build_displaced(const PolygonSoup& base, std::shared_ptr<DisplacedLo
   const Vec3 farthest = data_->scaled(box.min()).cwiseAbs().cwiseMax(data_->scaled(box.max()).cwiseAbs());
   extend_radius(farthest.norm(), *data_);
   if (options.ground) {
-    const PolygonSoup corners = corners_of(box);  // around all heights
-    add_mesh(detail::ground_disc(std::span<const PolygonSoup>(&corners, 1), *options.ground), 0, *data_);
+    const BoxCorners corners = corners_of(box);  // around all heights
+    add_mesh(detail::ground_disc(std::array{std::span<const Vec3>(corners)}, *options.ground), 0, *data_);
   }
   build_embree_scenes(*data_);
 }

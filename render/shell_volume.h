@@ -15,7 +15,7 @@ struct VolumeView {
   double pixel_angle = 0;  ///< between two pixels, radians
 };
 
-/// That of a camera, for a picture of `height` rows.
+/// That of a camera; its pixels are as wide as in the middle of the picture. Throws as `frame_of`.
 VolumeView volume_view(const Camera& camera);
 
 /// A textured shell. Rays meet the surface on which opacity is a half, from both sides, with normals of the

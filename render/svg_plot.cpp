@@ -84,7 +84,10 @@ Scale fit(const PlotAxis& axis, std::vector<double> values, double from, double 
 std::string tick_label(double value) {
   const double size = std::abs(value);
   if (size == 0) return "0";
-  if (size >= 10'000 && size < 1e6) return grouped(static_cast<std::size_t>(std::lround(value)));
+  if (size >= 10'000 && size < 1e6) {
+    const std::string digits = grouped(static_cast<std::size_t>(std::lround(size)));
+    return value < 0 ? fmt::format("-{}", digits) : digits;
+  }
   if (size < 0.001 || size >= 1e6) {
     std::string text = short_number(value);
     if (const std::size_t zeros = text.find(".00"); zeros != std::string::npos) text.erase(zeros, 3);

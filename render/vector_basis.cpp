@@ -88,13 +88,12 @@ float take_unit(VectorRows& rows) {
   return unit;
 }
 
-/// Orthonormal columns with the same span; a full set if that has fewer directions.
+}  // namespace
+
 Eigen::MatrixXf orthonormal(Eigen::MatrixXf columns) {
   const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXf>> factors(columns);
   return factors.householderQ() * Eigen::MatrixXf::Identity(columns.rows(), columns.cols());
 }
-
-}  // namespace
 
 void for_row_parts(Eigen::Index rows, const std::function<void(Eigen::Index, Eigen::Index)>& use) {
   const Eigen::Index parts = (rows + k_rows_at_once - 1) / k_rows_at_once;

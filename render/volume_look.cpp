@@ -5,6 +5,9 @@
 #include <recede/shells/detail/shell_pieces.h>
 #include <recede/shells/detail/volume_sampler.h>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -23,9 +26,9 @@ namespace {
 
 // The most that opacity changes from a texel to the next, along each axis.
 Vec3 steepest_slopes(const VolumeTexture& texture) {
-  std::array<int, 3> most{0, 0, 0};
+  using Slopes = std::array<int, 3>;
   const BrickGrid<std::uint8_t>& opacity = texture.opacity;
-  for (std::size_t brick = 0; brick < opacity.n_bricks(); ++brick) {
+  const auto in_brick = [&](std::size_t brick, Slopes& most) {
     const TexelBox box = opacity.box(brick);
     const bool is_uniform = opacity.uniform_value(brick).has_value();
     for_each_texel(box, [&](int i, int j, int k) {
@@ -40,7 +43,17 @@ Vec3 steepest_slopes(const VolumeTexture& texture) {
         most[axis] = std::max(most[axis], std::abs(opacity.at(next) - opacity.at(at)));
       }
     });
-  }
+  };
+  const Slopes most = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, opacity.n_bricks()), Slopes{0, 0, 0},
+      [&](const tbb::blocked_range<std::size_t>& bricks, Slopes sum) {
+        for (std::size_t brick = bricks.begin(); brick < bricks.end(); ++brick) in_brick(brick, sum);
+        return sum;
+      },
+      [](Slopes a, const Slopes& b) {
+        for (std::size_t axis = 0; axis < 3; ++axis) a[axis] = std::max(a[axis], b[axis]);
+        return a;
+      });
   return Vec3(most[0], most[1], most[2]) / 255;
 }
 

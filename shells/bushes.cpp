@@ -14,6 +14,7 @@ namespace {
 // A period is 1 long. Branches of a bush: a stem, and two generations more.
 constexpr double k_thickness = 0.4, k_height = 0.3, k_stem_radius = 0.012;
 constexpr int k_generations = 3, k_children = 5, k_leaves = 3;
+constexpr double k_leaf_length = 0.055, k_leaf_half_width = 0.017, k_leaf_half_thickness = 0.006;
 
 struct Branch {
   Vec3 from, along;  // `along` is a unit direction
@@ -52,7 +53,8 @@ struct Tuft {
     for (const Branch& branch : branches)
       box.extend(branch.from).extend(branch.from + branch.length * branch.along);
     for (const Leaf& leaf : leaves) box.extend(leaf.from);
-    constexpr double k_beyond = 0.05;  // what leaves and branches take around that
+    // What leaves, and branches, which are thinner, take around that.
+    constexpr double k_beyond = k_leaf_length + k_leaf_half_thickness;
     middle = box.center();
     radius = box.diagonal().norm() / 2 + k_beyond;
   }
@@ -119,7 +121,7 @@ class Growing {
     const double size = std::clamp((growth_ - birth) / k_time, 0.0, 1.0);
     const double turn = 6.3 * number();
     if (!(size > 0)) return;
-    Leaf leaf{at, {}, size * 0.055, size * 0.017, size * 0.006};
+    Leaf leaf{at, {}, size * k_leaf_length, size * k_leaf_half_width, size * k_leaf_half_thickness};
     const Vec3 wide = across(direction, turn);
     leaf.axes << direction, wide, direction.cross(wide);
     tufts_.back().leaves.push_back(leaf);

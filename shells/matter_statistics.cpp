@@ -26,10 +26,6 @@ CoverageOfOpacity coverage_of_opacity(const VolumeTexture& texture) {
 
 namespace {
 
-std::uint8_t byte_of(double share) {
-  return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5);
-}
-
 /// The grid with the larger one of each pair along an axis; a last one without a partner stays.
 BrickGrid<std::uint8_t> halved_rows(const BrickGrid<std::uint8_t>& rows, std::size_t axis) {
   std::array<int, 3> size = rows.size();

@@ -228,9 +228,11 @@ Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progr
 
 std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
                          const ShellOptions& options, Progress* progress) {
+  Shell updated = shell;  // a base without its layers would hide from the next update what has changed
   const std::vector<Index> vertices =
-      detail::move_shell_base(shell, detail::shell_base_of(surface), changed_vertices, options);
-  detail::build_layers(shell, vertices, nullptr, options, progress);
+      detail::move_shell_base(updated, detail::shell_base_of(surface), changed_vertices, options);
+  detail::build_layers(updated, vertices, nullptr, options, progress);
+  shell = std::move(updated);
   return vertices.size();
 }
 

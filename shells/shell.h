@@ -112,7 +112,7 @@ Shell build_shell(const PolygonSoup& surface, const ShellOptions& options, Progr
 /// what the field sees of them beyond open borders); then the layers are repaired. Options are those of the
 /// shell, whose thicknesses stay. Returns the number of vertices whose directors were traced. Throws
 /// `InputError` for other triangles or vertices that there aren't, `OptionError` for other sides than the
-/// shell's, and as `build_shell` does.
+/// shell's, and as `build_shell` does; the shell is then what it was.
 std::size_t update_shell(Shell& shell, const PolygonSoup& surface, std::span<const Index> changed_vertices,
                          const ShellOptions& options, Progress* progress = nullptr);
 

@@ -1,6 +1,7 @@
 #include <recede/geometry/closest_point.h>
 #include <recede/shells/detail/front_direction.h>
 #include <recede/shells/detail/lp_field.h>
+#include <recede/shells/detail/near_order.h>
 #include <recede/shells/detail/shell_directors.h>
 #include <recede/shells/detail/shell_pieces.h>
 
@@ -17,10 +18,12 @@ namespace recede::detail {
 namespace {
 
 // The field begins on the surface with no direction: the first step goes along the normal.
-constexpr double k_first_step = 0.02;            // of the thickness
-constexpr std::size_t k_most_evaluations = 500;  // where directions jump to and fro; few need more than 30
-constexpr std::size_t k_neighbours = 64;         // followed together
-constexpr double k_stuck = 1e-4;                 // of a field as fast as that of a plane
+constexpr double k_first_step = 0.02;  // of the thickness
+// Looks at the field, where directions jump to and fro: so many, or more for each of many steps. Few paths
+// need more than 30.
+constexpr std::size_t k_most_evaluations = 500, k_most_of_step = 4;
+constexpr std::size_t k_neighbours = 64;  // followed together
+constexpr double k_stuck = 1e-4;          // of a field as fast as that of a plane
 
 // Of `ShellOptions::step`.
 constexpr double k_largest_turn = 0.8;    // radians
@@ -98,6 +101,7 @@ class DirectorPath {
     const double n = std::ceil((1 - k_first_step) / std::max(step, k_shortest_step));
     longest_ = (1 - k_first_step) / n * thickness;
     n_ticks_ = static_cast<int>(n) * k_longest;
+    most_evaluations_ = std::max(k_most_evaluations, k_most_of_step * static_cast<std::size_t>(n));
   }
 
   bool is_done() const { return is_done_; }
@@ -124,7 +128,7 @@ class DirectorPath {
       is_done_ = true;
     }
     is_done_ = is_done_ || tick_ == n_ticks_ || !(flow_.velocity.norm() > k_stuck) ||
-               evaluations_ >= k_most_evaluations;
+               evaluations_ >= most_evaluations_;
     if (is_done_) return;
     if (asks_here_) {
       asked_ = at_;
@@ -183,7 +187,7 @@ class DirectorPath {
   double thickness_ = 0, step_ = 0, longest_ = 0;
   double length_ = 0, length_before_ = 0, turn_ = 0, error_ = 0;
   int stride_ = k_longest / 2, tick_ = 0, n_ticks_ = 0;  // a step, and time, in shares of the longest step
-  std::size_t evaluations_ = 0;
+  std::size_t evaluations_ = 0, most_evaluations_ = 0;
   int n_rejected_ = 0;
   bool is_smooth_ = false, asks_here_ = true, is_done_ = false;
 };
@@ -221,32 +225,18 @@ std::size_t trace_neighbours(const FlowField& field, std::span<const std::size_t
   return evaluations;
 }
 
-// Along a curve that fills the box of the vertices, by turns of their coordinates' bits; those that have a
-// normal only. In `vertices` it says where.
+// Where in `vertices` those are that have a normal, the next one near.
 std::vector<std::size_t> order_in_space(const ShellSurface& surface, std::span<const Index> vertices) {
-  Box3 box;
-  for (const Index v : vertices) box.extend(surface.positions[v]);
-  constexpr int k_bits = 20;
-  const double cells = std::ldexp(1.0, k_bits) - 1;
-  const Vec3 sizes = box.isEmpty() ? Vec3::Ones() : Vec3(box.sizes().cwiseMax(box.sizes().maxCoeff() * 1e-9));
-  std::vector<std::pair<std::uint64_t, std::size_t>> keys;
+  std::vector<std::size_t> places;
+  std::vector<Vec3> points;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (surface.normals[vertices[i]].isZero()) continue;
-    std::uint64_t key = 0;
-    const Vec3 at = surface.positions[vertices[i]] - box.min();
-    std::array<std::uint64_t, 3> cell{};
-    for (int k = 0; k < 3; ++k)
-      cell[static_cast<std::size_t>(k)] =
-          static_cast<std::uint64_t>(std::clamp(at[k] / sizes[k], 0.0, 1.0) * cells);
-    for (int bit = k_bits; bit-- > 0;) {
-      for (const std::uint64_t coordinate : cell) key = 2 * key + (coordinate >> bit & 1u);
-    }
-    keys.emplace_back(key, i);
+    places.push_back(i);
+    points.push_back(surface.positions[vertices[i]]);
   }
-  std::sort(keys.begin(), keys.end());
   std::vector<std::size_t> order;
-  order.reserve(keys.size());
-  for (const auto& [key, i] : keys) order.push_back(i);
+  order.reserve(places.size());
+  for (const std::uint32_t i : near_order(points)) order.push_back(places[i]);
   return order;
 }
 

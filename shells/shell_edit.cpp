@@ -59,12 +59,12 @@ class BodySampler {
     for_each_in_layer(brick.box(), [&](int i, int j, int k) {
       points.push_back(grid_.point(i, j, k));
       box.extend(points.back());
-      ramp = std::max(ramp, ramp_of(i, j));
+      ramp = std::max({ramp, ramp_of(i, j), edge_of(i, j)});
     });
     if (points.empty()) return 0;
     const Vec3 middle = box.center();
     const double at_middle = inside_by(middle), around = box.diagonal().norm() / 2;
-    // Opacity is 0 or 1 from a ramp's length on.
+    // Opacity is 0 or 1 from a ramp's length on, a texel's share of the body from half of its side on.
     const bool is_alike = std::abs(at_middle) - around > ramp;
     double volume = 0;
     std::size_t next = 0;
@@ -72,7 +72,7 @@ class BodySampler {
       const Vec3& point = points[next++];
       const double inside = is_alike ? at_middle : inside_by(point);
       // Of the share of a texel that is in the body, as if its surface were flat.
-      volume += detail::ramped_opacity(inside, grid_.texel_side(i, j) / 2) * grid_.texel_volume(i, j, k);
+      volume += detail::ramped_opacity(inside, edge_of(i, j)) * grid_.texel_volume(i, j, k);
       brick.at(i, j, k) = detail::opacity_byte(detail::ramped_opacity(inside, ramp_of(i, j)));
     });
     return volume;
@@ -93,6 +93,7 @@ class BodySampler {
   }
 
   double ramp_of(int i, int j) const { return options_.ramp_texels * grid_.texel_side(i, j); }
+  double edge_of(int i, int j) const { return grid_.texel_side(i, j) / 2; }
 
   double inside_by(const Vec3& point) const {
     const double inside = body_(point);
@@ -213,12 +214,20 @@ InsideDistance mesh_body(std::shared_ptr<const SignedDistance> mesh) {
 }
 
 ShellPlace nearest_place(const Shell& shell, const Vec3& point) {
-  const ClosestPointTree tree(shell.base.positions, shell.base.corner_vertices);
+  const PolygonSoup& base = shell.base;
+  std::vector<Index> numbers, vertices;  // of triangles with an area, in which places have weights
+  for (Index t = 0; t < base.n_faces(); ++t) {
+    if (!(vector_area(base, t).norm() > 0)) continue;
+    numbers.push_back(t);
+    vertices.insert(vertices.end(), base.face(t).begin(), base.face(t).end());
+  }
+  if (numbers.empty()) throw InputError("a shell without area has no nearest place");
+  const ClosestPointTree tree(base.positions, vertices);
   const ClosestPointTree::Hit hit = tree.closest(point);
   const Triangle corners = tree.triangle(hit.triangle);
   const Vec3 first = corners.b - corners.a, second = corners.c - corners.a, off = hit.point - corners.a;
   const Vec3 normal = first.cross(second);
-  ShellPlace place{.triangle = hit.triangle};
+  ShellPlace place{.triangle = numbers[hit.triangle]};
   place.weights.y() = off.cross(second).dot(normal) / normal.squaredNorm();
   place.weights.z() = first.cross(off).dot(normal) / normal.squaredNorm();
   place.weights.x() = 1 - place.weights.y() - place.weights.z();

@@ -40,7 +40,8 @@ FilledLayer fill_once(const TexturedShell& textured, const std::optional<std::ar
 /// With the edited texture, without smaller versions, in the same layer.
 TexturedShell with_texture(const TexturedShell& textured, VolumeTexture texture);
 
-/// The place of a shell's base that is nearest to a point.
+/// The place of a shell's base that is nearest to a point, at height 0; triangles without area have none.
+/// Throws `InputError` where all are such.
 ShellPlace nearest_place(const Shell& shell, const Vec3& point);
 
 /// Bodies for `combine` and `cut`. Throws `OptionError` unless numbers are finite and the radius above 0.
@@ -64,7 +65,7 @@ struct CombineOptions {
 
 struct EditReport {
   std::size_t changed = 0;  ///< texels whose opacity is another now, those around charts too
-  /// Of the body within the layer, object units to the third; of what was cut the same.
+  /// Of the body within the layer, object units to the third; of what was cut the same; 0 of what moves.
   double volume = 0;
 };
 

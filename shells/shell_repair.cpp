@@ -102,6 +102,7 @@ class LayerRepair {
     left.erase(std::unique(left.begin(), left.end()), left.end());
     std::vector<Index> all = layer_.excused;
     all.insert(all.end(), left.begin(), left.end());
+    std::sort(all.begin(), all.end());
     layer_.tops = layer_.traced;
     std::fill(scales_.begin(), scales_.end(), 1.0);
     std::fill(leans_.begin(), leans_.end(), 1.0);

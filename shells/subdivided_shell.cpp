@@ -61,11 +61,13 @@ void update_subdivided_shell(SubdividedShell& shell, const PolygonSoup& control,
   for (Index v = 0; v < base.positions.size(); ++v) {
     if (base.positions[v] != before.base.positions[v]) changed.push_back(v);
   }
-  std::vector<Index> vertices = detail::move_shell_base(shell.shell, std::move(base), changed, options.shell);
+  Shell updated = before;
+  std::vector<Index> vertices = detail::move_shell_base(updated, std::move(base), changed, options.shell);
   std::erase_if(vertices, [&](Index v) { return !shell.interpolation.is_coarse(v); });
+  detail::build_layers(updated, vertices, &shell.interpolation, options.shell, progress);
+  shell.shell = std::move(updated);
   shell.control = control;
   shell.traced = vertices.size();
-  detail::build_layers(shell.shell, vertices, &shell.interpolation, options.shell, progress);
 }
 
 }  // namespace recede

@@ -41,8 +41,7 @@ SubdividedShell build_subdivided_shell(const PolygonSoup& control, const Subdivi
 /// their number is in `traced`. Triangles, level, texture coordinates and other attributes stay.
 ///
 /// Options are those of the shell. Throws `InputError` for other faces, also those into which polygons are
-/// cut for Loop, and as `build_subdivided_shell` does; the shell is then what it was, unless `Cancelled`
-/// interrupts the directors.
+/// cut for Loop, and as `build_subdivided_shell` does; the shell is then what it was.
 void update_subdivided_shell(SubdividedShell& shell, const PolygonSoup& control,
                              const SubdividedShellOptions& options, Progress* progress = nullptr);
 

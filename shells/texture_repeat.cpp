@@ -7,10 +7,17 @@
 namespace recede {
 namespace {
 
+// Over vertices with triangles: others have no director.
 double mean_thickness(const PolygonSoup& base, const ShellLayer& layer) {
-  double sum = 0;
-  for (std::size_t v = 0; v < base.positions.size(); ++v) sum += (layer.tops[v] - base.positions[v]).norm();
-  return sum / static_cast<double>(base.positions.size());
+  std::vector<unsigned char> is_used(base.positions.size(), 0);
+  for (const Index v : base.corner_vertices) is_used[v] = 1;
+  double sum = 0, n = 0;
+  for (std::size_t v = 0; v < base.positions.size(); ++v) {
+    if (is_used[v] == 0) continue;
+    sum += (layer.tops[v] - base.positions[v]).norm();
+    ++n;
+  }
+  return sum / n;
 }
 
 // Lengths on the surface of steps of 1 in u and in v: geometric means by area, on which a few slivers have

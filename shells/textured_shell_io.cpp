@@ -170,7 +170,7 @@ void write_texture(Writer& writer, const VolumeTexture& texture) {
 
 VolumeTexture read_texture(Reader& reader) {
   VolumeTexture texture;
-  for (int& along : texture.size) along = static_cast<int>(reader.count(1u << 31));
+  for (int& along : texture.size) along = static_cast<int>(reader.count(0x7fffffffu));
   check_texels(texture.size);
   texture.is_periodic = reader.count(1) == 1;
   const bool has_colors = reader.count(1) == 1;
@@ -243,6 +243,7 @@ TexturedShell read_textured_shell(const std::filesystem::path& path, const ReadS
   textured.shell = read_shell(reader, bytes.starts_with(k_head), textured.side, progress);
   for (Vec2* pair : {&textured.coordinates.repeat, &textured.coordinates.offset})
     for (double& x : *pair) x = reader.number();
+  if ((textured.coordinates.repeat.array() == 0).any()) reader.refuse("a texture that repeats 0 times");
   try {
     VolumeTexture texture = read_texture(reader);
     reader.end();

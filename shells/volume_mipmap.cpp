@@ -30,10 +30,6 @@ namespace {
 
 constexpr std::array<std::array<int, 2>, 6> k_entries{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
 
-std::uint8_t byte_of(double share) {
-  return static_cast<std::uint8_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5);
-}
-
 bool is_one(const std::array<int, 3>& size) { return size == std::array<int, 3>{1, 1, 1}; }
 
 using Shares = BrickGrid<float>;
@@ -86,7 +82,7 @@ class SurfaceLevels {
         for (std::size_t c = 0; c < 3; ++c) color[static_cast<int>(c)] += share * linear_[bytes[c]];
       });
       for (std::size_t c = 0; c < 3; ++c) {
-        brick.at(i, j, k)[c] = byte_of(
+        brick.at(i, j, k)[c] = detail::byte_of(
             static_cast<double>(encode_srgb(static_cast<float>(color[static_cast<int>(c)] / weight))));
       }
     });

@@ -8,7 +8,8 @@
 
 namespace recede::detail {
 
-/// A disc that touches the models from below. Throws `OptionError` when `ground.up` has no direction.
-PolygonSoup ground_disc(std::span<const PolygonSoup> soups, const Ground& ground);
+/// A disc that touches the models, which are their points, from below. Throws `OptionError` when `ground.up`
+/// has no direction.
+PolygonSoup ground_disc(std::span<const std::span<const Vec3>> models, const Ground& ground);
 
 }  // namespace recede::detail

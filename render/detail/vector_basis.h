@@ -16,6 +16,9 @@ using VectorRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::R
 /// number of threads, so that products of matrices are.
 void for_row_parts(Eigen::Index rows, const std::function<void(Eigen::Index, Eigen::Index)>& use);
 
+/// Orthonormal columns with the same span; a full set if that has fewer directions.
+Eigen::MatrixXf orthonormal(Eigen::MatrixXf columns);
+
 /// Orthonormal directions around a mean.
 struct VectorBasis {
   Eigen::RowVectorXf mean;

@@ -125,12 +125,12 @@ inline double ramped_opacity(double distance, double ramp) {
 }
 inline std::uint8_t opacity_byte(double opacity) { return static_cast<std::uint8_t>(255 * opacity + 0.5); }
 
+/// Clamped to 0 to 1.
+inline std::uint8_t byte_of(double share) { return opacity_byte(std::clamp(share, 0.0, 1.0)); }
+
 /// Of encoded channels, clamped to 0 to 1.
 inline std::array<std::uint8_t, 3> color_bytes(const Vec3& color) {
-  std::array<std::uint8_t, 3> bytes{};
-  for (std::size_t k = 0; k < 3; ++k)
-    bytes[k] = opacity_byte(std::clamp(color[static_cast<int>(k)], 0.0, 1.0));
-  return bytes;
+  return {byte_of(color.x()), byte_of(color.y()), byte_of(color.z())};
 }
 
 }  // namespace recede::detail

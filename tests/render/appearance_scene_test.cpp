@@ -5,6 +5,7 @@
 #include <recede/geometry/error.h>
 #include <recede/render/appearance.h>
 #include <recede/render/image_difference.h>
+#include <recede/render/method_shares.h>
 #include <recede/render/renderer.h>
 
 #include <gtest/gtest.h>
@@ -271,6 +272,31 @@ TEST(AppearanceScene, FalseColoursTellTheMethod) {
   EXPECT_LT((color_at(0) - Vec3(0, 0, 1)).norm(), 1e-6);
   EXPECT_LT((color_at(0.65) - Vec3(0, 0.5, 0.5)).norm(), 0.1);
   EXPECT_LT((color_at(1.2) - Vec3(0, 1, 0)).norm(), 1e-6);
+}
+
+TEST(AppearanceScene, MethodsAreCountedByPixels) {
+  const PolygonSoup base = test::tiled_square(1);
+  const DisplacementMap map = test::random_waves(1, 0.02);
+  AppearanceOptions small;
+  small.normals.samples = 2048;
+  small.reflectance.light_angles = small.reflectance.light_azimuths = 8;
+  small.shading_samples = 256;
+  SceneOptions options;
+  options.appearance = make_appearance(base, map, small);
+  const Scene alone(base, map, {}, options);
+  options.ground = Ground{.up = Vec3::UnitZ()};
+  const Scene on_ground(base, map, {}, options);
+  Camera camera = camera_above(0, 4, 44);
+  camera.field_of_view = 2 * std::atan(0.5);  // a picture twice as wide as the square
+  RenderOptions rendering{.transition = TransitionOptions{.unit = 12, .threshold = 3}};  // T is about 0
+  for (const Scene* scene : {&alone, &on_ground}) {
+    const PictureShares shares = count_methods(*scene, camera, rendering);
+    EXPECT_EQ(shares.of(RenderingMethod::bump), 0.25);
+    EXPECT_EQ(shares.background, scene == &alone ? 0.75 : 0);
+    EXPECT_EQ(shares.others, scene == &alone ? 0 : 0.75);
+  }
+  rendering.representation = Representation::brdf;
+  EXPECT_EQ(count_methods(alone, camera, rendering).of(RenderingMethod::brdf), 0.25);
 }
 
 TEST(AppearanceScene, ShadowsAndLightThatBumpsPassOnAreThoseOfTheHeights) {

@@ -64,6 +64,18 @@ TEST(Camera, FramedPointsFillThePictureAndStayInside) {
   EXPECT_NEAR(farthest / std::tan(0.3), 0.9, 1e-9);
 }
 
+TEST(Camera, StandsBeyondATipThatPointsAtIt) {
+  const std::vector<Vec3> points{{1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}, {0, 0, 100}};
+  const Camera camera = frame_points(points, Vec3::UnitZ(), Vec3::UnitY(), 0.6, 200, 0.1);
+  const CameraFrame frame = frame_of(camera);
+  EXPECT_GT(frame.position.z(), 100);
+  for (const Vec3& point : points) {
+    const Vec3 seen = point - frame.position;
+    const double aside = std::max(std::abs(seen.dot(frame.right)), std::abs(seen.dot(frame.up)));
+    EXPECT_LT(aside, 0.9 * std::tan(0.3) * seen.dot(frame.forward)) << point.transpose();
+  }
+}
+
 TEST(Camera, LookingAlongUpStillHasAnOrthonormalFrame) {
   const Camera camera{.position = Vec3(0, 7, 0)};
   const CameraFrame frame = frame_of(camera);

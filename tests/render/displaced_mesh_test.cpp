@@ -219,6 +219,11 @@ TEST(DisplacedMesh, BadInputIsNamed) {
   options.triangle_levels = {1};
   EXPECT_THAT(message([&] { DisplacedMesh(unit_square(), flat_map(0), options); }),
               HasSubstr("1 levels for 2 triangles"));
+  options.triangle_levels = {};
+  options.level = 14;
+  EXPECT_THAT(
+      message([&] { DisplacedMesh(chart_sphere(2, Vec3::Zero()), flat_map(0), options).tessellate(); }),
+      HasSubstr("small triangles can't be tessellated"));
   const DisplacedMesh mesh(unit_square(), flat_map(0.1f));
   EXPECT_THAT(message([&] {
                 mesh.first_hit({0.5, 0.5, 1}, {0, 0, -1}, {.fraction = 0.5});

@@ -73,6 +73,9 @@ TEST(ImageDifference, AShrunkHeatMapKeepsTheLargestOfEachBlock) {
   EXPECT_EQ(map.width, 2);
   EXPECT_TRUE(map.at(1, 0).isApprox(heat_map_color(1), 1e-5f));
   EXPECT_TRUE(map.at(0, 0).isApprox(heat_map_color(0), 1e-5f));
+  const Image one = heat_map(compare_images(a, b).magnitudes, 1.0, std::numeric_limits<int>::max());
+  ASSERT_EQ(one.pixels.size(), 1u);
+  EXPECT_TRUE(one.at(0, 0).isApprox(heat_map_color(1), 1e-5f));
 }
 
 TEST(ImageDifference, HeatMapColoursGetLighterAllTheWay) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <png.h>
 
+#include <limits>
 #include <random>
 
 namespace recede {
@@ -77,6 +78,11 @@ TEST(Image, ShrinkingTakesMeansOverBlocksAndOverWhatIsLeftAtTheBorder) {
   EXPECT_EQ(small.height, 1);
   EXPECT_FLOAT_EQ(small.at(0, 0).x(), (0 + 1 + 3 + 4) / 4.0f);
   EXPECT_FLOAT_EQ(small.at(1, 0).x(), (2 + 5) / 2.0f);
+  for (const int factor : {3, 100, std::numeric_limits<int>::max()}) {
+    const Image one = shrink(image, factor);
+    ASSERT_EQ(one.pixels.size(), 1u) << factor;
+    EXPECT_FLOAT_EQ(one.at(0, 0).x(), 2.5f);
+  }
 }
 
 TEST(Image, ImagesSideBySideStandInTheMiddleOfTheHighest) {

@@ -85,6 +85,20 @@ TEST(LocalPcaFile, KeepsWhatWasMadeBitForBit) {
   }
 }
 
+TEST(LocalPcaFile, KeepsTheSmallestNumbers) {
+  const test::TempFolder folder;
+  for (const float size : {1e-35F, 1e-37F}) {
+    const std::vector<float> values{size, -0.3F * size, 0, 0.7F * size};
+    const LocalPca pca = make_local_pca(vectors_in(values, 4));
+    write_local_pca(folder / "pca", pca);
+    const LocalPca back = read_local_pca(folder / "pca");
+    expect_same(back, pca);
+    // Halves of the smallest scale, 2^-126, have steps of 2^-150.
+    const std::vector<float> all = all_vectors(back);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(all[i], values[i], 0.001F * size) << size;
+  }
+}
+
 TEST(LocalPcaFile, HasTheSizesKnownOfBidirectionalTextureFunctions) {
   const auto size = [](std::size_t dimension, std::size_t clusters, std::size_t vectors) {
     LocalPca pca{.dimension = dimension, .components = 8};

@@ -69,6 +69,13 @@ TEST(SvgPlot, LinearAxesHaveRoundTicksThatHoldAllPoints) {
   for (const char* label : {">0<", ">0.2<", ">0.4<", ">1<", ">2<", ">4<"}) EXPECT_THAT(svg, HasSubstr(label));
 }
 
+TEST(SvgPlot, LinearAxesLabelLargeNumbersOfBothSigns) {
+  const std::string svg = svg_plot(
+      {.x = {"x", false}, .y = {"y", false}, .series = {{"s", {Vec2(0, -25'000), Vec2(1, 15'000)}}}});
+  for (const char* label : {">-20\u202f000<", ">-10\u202f000<", ">0<", ">10\u202f000<"})
+    EXPECT_THAT(svg, HasSubstr(label));
+}
+
 TEST(SvgPlot, PointsThatALogarithmicAxisCannotShowAreLeftOut) {
   Plot plot = log_plot();
   const std::size_t before = count(svg_plot(plot), "<circle");

@@ -1,3 +1,4 @@
+#include "cancelling.h"
 #include "shell_shapes.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
@@ -158,12 +159,17 @@ TEST(Shell, IsCompressedLessInARoundFold) {
 
 TEST(Shell, FollowsDirectorsInStepsOfAShareOfTheThickness) {
   const PolygonSoup flat = sheet(4, 4, [](double u, double v) { return Vec3(u, v, 0); });
-  for (const auto& [step, n_steps] : {std::pair(1.0, 1u), std::pair(0.25, 4u), std::pair(0.1, 10u)}) {
+  for (const auto& [step, n_steps] :
+       {std::pair(1.0, 1u), std::pair(0.25, 4u), std::pair(0.1, 10u), std::pair(0.001, 980u)}) {
     // Of the exact distance, as paths in the averaged one are let go where nothing is near.
     ShellOptions options = unrepaired(0.5, ShellSide::exterior, DirectorMethod::exact_distance);
     options.step = step;
+    const Shell shell = build_shell(flat, options);
     // One look where the path begins, and one for each step; the first one is taken in halves.
-    EXPECT_EQ(build_shell(flat, options).exterior->evaluations, flat.positions.size() * (n_steps + 2));
+    EXPECT_EQ(shell.exterior->evaluations, flat.positions.size() * (n_steps + 2));
+    // All the way, but for rounding of a thousand steps.
+    EXPECT_NEAR(thickness_of(shell).least, 1, 1e-12);
+    EXPECT_NEAR(thickness_of(shell).most, 1, 1e-12);
   }
 }
 
@@ -360,8 +366,8 @@ TEST(Shell, ChangesNearADeformationOnly) {
   EXPECT_LT(n_traced, surface.positions.size() / 2);
   std::size_t n_different = 0;
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
-    // The tree of the field is another one: parts are summed up in other groups, a thousandth of a thickness.
-    EXPECT_LT((updated.exterior->tops[v] - anew.exterior->tops[v]).norm(), 1e-3 * 0.2);
+    // The tree of the field is another one, in which parts may be summed up in other groups.
+    EXPECT_LT((updated.exterior->tops[v] - anew.exterior->tops[v]).norm(), 1e-6 * 0.2);
     const double moved_by = (updated.exterior->tops[v] - before.exterior->tops[v]).norm();
     n_different += moved_by > 0 ? 1 : 0;
     // 3.5 thicknesses, and sides of triangles, 0.1 to 0.2: to the changed corners, along them, and once more.
@@ -400,6 +406,27 @@ TEST(Shell, ChangesWhereABorderIsSeenToGoOn) {
   EXPECT_GT(moved_by, 1e-3 * 0.2);
 }
 
+TEST(Shell, IsWhatItWasWhereItsUpdateFails) {
+  PolygonSoup surface = sheet(8, 8, [](double u, double v) { return Vec3(u, v, 0); });
+  const ShellOptions options = repaired(0.1);
+  Shell shell = build_shell(surface, options);
+  const Shell before = shell;
+  constexpr Index k_moved = 4 * 9 + 4;
+  const std::array<Index, 1> changed{k_moved};
+  surface.positions[k_moved].z() += 0.02;
+  test::Cancelling cancelling("averaged distance");  // where directors begin
+  EXPECT_THROW(update_shell(shell, surface, changed, options, &cancelling), Cancelled);
+  ShellOptions wrong = options;
+  wrong.field.p = 1;
+  EXPECT_THROW(update_shell(shell, surface, changed, wrong), OptionError);
+  EXPECT_EQ(shell.base.positions, before.base.positions);
+  EXPECT_EQ(shell.exterior->tops, before.exterior->tops);
+  // So the next one sees what has changed.
+  EXPECT_GT(update_shell(shell, surface, changed, options), 0u);
+  EXPECT_EQ(shell.base.positions, surface.positions);
+  EXPECT_NE(shell.exterior->tops, before.exterior->tops);
+}
+
 TEST(Shell, IsTheSameWithOneThreadAtAnyScaleAndPlace) {
   const PolygonSoup surface = torus(1, 0.4, 24);
   const Shell shell = build_shell(surface, repaired(0.7));
@@ -429,7 +456,7 @@ TEST(Shell, TakesAThicknessForEachVertex) {
   EXPECT_TRUE(shell.is_valid());
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
     // The field is made for the largest of them, and a ball of flat triangles isn't one.
-    EXPECT_NEAR((shell.exterior->tops[v] - surface.positions[v]).norm(), options.thicknesses[v], 0.003);
+    EXPECT_NEAR((shell.exterior->tops[v] - surface.positions[v]).norm(), options.thicknesses[v], 5e-5);
   }
 }
 

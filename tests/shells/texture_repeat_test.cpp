@@ -8,7 +8,7 @@ namespace {
 
 using namespace recede;
 
-/// A square of 6 x 6 units, whose texture coordinates go from 0 to `across` along s and to 1 along t.
+/// A square of sides of 1. A texture coordinate of 1 is 6 long, and along s 6 / `across`.
 Shell square(double thickness, double across) {
   PolygonSoup base = test::grid(6);
   for (const Index v : base.corner_vertices)
@@ -24,6 +24,13 @@ TEST(TextureRepeat, KeepsTheProportionsOfATexture) {
   EXPECT_EQ(proportionate_repeat(square(0.5, 3), ShellSide::exterior, {2, 4, 1}), Vec2(2, 3));
   // Of periods wider than the surface there is one.
   EXPECT_EQ(proportionate_repeat(square(0.5, 1), ShellSide::exterior, {200, 400, 1}), Vec2(1, 1));
+}
+
+TEST(TextureRepeat, IsThatOfVerticesWithTriangles) {
+  PolygonSoup base = square(0.5, 1).base;
+  base.positions.insert(base.positions.end(), 500, Vec3(3, 3, 0));  // no face has them
+  const Shell shell = build_shell(base, {.thickness = 0.5, .method = DirectorMethod::normals});
+  EXPECT_EQ(proportionate_repeat(shell, ShellSide::exterior, {2, 4, 1}), Vec2(6, 3));
 }
 
 TEST(TextureRepeat, NeedsTheLayerAndCoordinates) {

@@ -146,6 +146,20 @@ TEST(TexturedShellFile, IsReadOrRefusedWhateverItsNumbersAre) {
               ThrowsMessage<InputError>(HasSubstr("more than a textured shell")));
 }
 
+TEST(TexturedShellFile, IsRefusedWhereItsTextureRepeatsZeroTimes) {
+  const TempFolder folder;
+  const TexturedShell written = textured(ShellSide::exterior, false);
+  write_textured_shell(folder / "a.shell", written);
+  Payload payload(read_whole_file(folder / "a.shell"));
+  const std::size_t n_vertices = written.shell->base.positions.size(),
+                    n_triangles = written.shell->base.n_faces(), n_quads = written.shell->quads.size(),
+                    at = 16 + 7 * 8 * n_vertices + 12 * n_triangles + 4 + 4 * n_quads + 6 * 8 * n_triangles;
+  payload.content().replace(at, 8, 8, '\0');
+  write_file_atomically(folder / "b.shell", payload.file());
+  EXPECT_THAT([&] { read_textured_shell(folder / "b.shell", {.make_mipmap = false}); },
+              ThrowsMessage<InputError>(HasSubstr("b.shell: a texture that repeats 0 times")));
+}
+
 // A fuzzer found it: a frame of some bytes that says it holds 32 GiB.
 TEST(TexturedShellFile, IsRefusedBeforeThereIsMemoryForWhatItClaims) {
   const TempFolder folder;
