@@ -44,7 +44,7 @@ TEST(Appearance, OfAFlatMapHasNoShadowsAndPassesNothingOn) {
       const Rgb shading = appearance->shading(albedo, test::direction_at(1, 0.4),
                                               test::direction_at(angle, 2), true, displaced);
       // Of the cosine over itself, both by tables of normals in bins.
-      EXPECT_LT((shading - Rgb::Ones()).norm(), 0.01f) << shading.transpose();
+      EXPECT_LT((shading - Rgb::Ones()).norm(), 1e-6f) << shading.transpose();
     }
   }
   EXPECT_EQ(appearance->shading(albedo, {0, 0, 1}, {0.6, 0, -0.8}, true), Rgb(Rgb::Zero()));

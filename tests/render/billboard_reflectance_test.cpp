@@ -129,7 +129,7 @@ TEST(BillboardReflectance, HasTheShadowsOfOtherPartsOfTheModel) {
       }
       for (const std::size_t view : {std::size_t{0}, std::size_t{24}, std::size_t{33}}) {
         // 16 directions lose some of the shadows' borders.
-        EXPECT_NEAR(value_of(reflectance, vector, view, light).x(), expected, 0.02);
+        EXPECT_NEAR(value_of(reflectance, vector, view, light).x(), expected, 0.001);
       }
     }
   }
@@ -234,7 +234,7 @@ TEST(BillboardReflectance, PassesLightFromFaceToFace) {
   };
   const Rgb direct = floor_color(0), passed = floor_color(1);
   // Grazing light, and the red wall that it meets at a right angle.
-  EXPECT_NEAR(direct.x(), direct.y(), 1e-3);
+  EXPECT_NEAR(direct.x(), direct.y(), 1e-6);
   EXPECT_GT(passed.x() - direct.x(), 0.05f);
   EXPECT_GT(passed.x() - direct.x(), 4 * (passed.y() - direct.y()));
 }

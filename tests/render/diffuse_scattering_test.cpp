@@ -33,7 +33,7 @@ TEST(DiffuseScattering, SendsOutAllOfAnEvenSkyWhenNothingIsAbsorbed) {
       const DiffuseTransport transport(compute_visibility(plane, {.directions = directions}));
       const ScatteredLight light = scatter_light(transport, transport.sky(), 60);
       for (std::size_t place = 0; place < transport.place_count(); ++place)
-        EXPECT_NEAR(light.irradiance(place, 1), 1, 1e-3) << "closed by a mean after 60 orders";
+        EXPECT_NEAR(light.irradiance(place, 1), 1, 1e-9) << "closed by a mean after 60 orders";
       // Whatever the last order is, the mean over the plane comes out.
       for (const int orders : {1, 2, 5}) {
         EXPECT_NEAR(mean_radiance(scatter_light(transport, transport.sky(), orders), 1, 0), 1, 1e-12);
@@ -85,7 +85,7 @@ TEST(DiffuseScattering, LetsTheSkyBeUneven) {
   const DisplacementMap flat(2, 2, {1, 1, 1, 1}, MapBorder::periodic);
   const DiffuseTransport on_flat(compute_visibility(DisplacedPlane(flat, {1, 1}), {.directions = 1000}));
   for (const double value : on_flat.sky_light([](const Vec3& d) { return d.z(); }))
-    EXPECT_NEAR(value, 2.0 / 3, 1e-3) << "the mean of cos^2 over that of cos";
+    EXPECT_NEAR(value, 2.0 / 3, 1e-5) << "the mean of cos^2 over that of cos";
   EXPECT_EQ(on_flat.hits_again(3), 0);
 
   const DisplacementMap map = test::random_waves(2, 1.4, 16);

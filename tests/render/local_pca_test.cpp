@@ -1,3 +1,4 @@
+#include "cancelling.h"
 #include <recede/geometry/error.h>
 #include <recede/render/direction_grid.h>
 #include <recede/render/filtered_reflectance.h>
@@ -297,18 +298,11 @@ TEST(LocalPca, RefusesWhatMakesNoSense) {
 }
 
 TEST(LocalPca, StopsWhenAsked) {
-  struct Stop : Progress {
-    explicit Stop(std::string stage) : at(std::move(stage)) {}
-    void update(std::string_view stage, double) override { stop = stop || stage == at; }
-    bool cancel_requested() const override { return stop; }
-    std::string at;
-    bool stop = false;
-  };
   const Rows rows = mixed_vectors(500, 600);
   for (const char* stage : {"reading training vectors", "finding directions", "projecting vectors",
                             "drawing means", "sorting by means", "sorting by directions"}) {
-    Stop stop(stage);
-    EXPECT_THROW(make_local_pca(source_of(rows), {.clusters = 4, .components = 2}, &stop), Cancelled)
+    test::Cancelling cancelling(stage);
+    EXPECT_THROW(make_local_pca(source_of(rows), {.clusters = 4, .components = 2}, &cancelling), Cancelled)
         << stage;
   }
 }

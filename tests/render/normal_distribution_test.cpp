@@ -1,3 +1,4 @@
+#include "cancelling.h"
 #include "displaced_planes.h"
 #include <recede/geometry/error.h>
 #include <recede/render/hemisphere_square.h>
@@ -213,16 +214,10 @@ TEST(VisibleNormals, RefuseWhatCantBeSampled) {
   EXPECT_THROW(validate(normals), InputError);
 }
 
-class Stop : public Progress {
- public:
-  void update(std::string_view, double) override {}
-  bool cancel_requested() const override { return true; }
-};
-
 TEST(VisibleNormals, StopWhenAsked) {
   const DisplacementMap map(1, 1, {0}, MapBorder::periodic);
-  Stop stop;
-  EXPECT_THROW(sample_visible_normals(DisplacedPlane(map, {1, 1}), {}, &stop), Cancelled);
+  test::Cancelling cancelling;
+  EXPECT_THROW(sample_visible_normals(DisplacedPlane(map, {1, 1}), {}, &cancelling), Cancelled);
 }
 
 }  // namespace

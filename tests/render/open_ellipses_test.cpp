@@ -52,7 +52,7 @@ TEST(OpenEllipses, AtTheBottomOfATrenchHaveTheRadiiOfItsWalls) {
   const OpenEllipse::Axes axes = ellipse.axes();
   // 1000 directions are 0.11 apart.
   EXPECT_NEAR(ellipse.center.norm(), 0, 0.03);
-  EXPECT_NEAR(std::abs(axes.major.y()), 1, 0.01);
+  EXPECT_NEAR(std::abs(axes.major.y()), 1, 1e-4);
   EXPECT_NEAR(axes.radii.x(), 1, 0.03);
   EXPECT_NEAR(axes.radii.y(), std::sqrt(0.5), 0.03);
 }

@@ -305,7 +305,7 @@ TEST(SampleStream, PixelsAndPairsAreUnlikeEachOther) {
     EXPECT_LT(correlation(0, 0, k, 0), 0.125) << k;
     EXPECT_LT(correlation(0, 0, 0, k), 0.125) << k;
   }
-  EXPECT_NEAR(correlation(3, 2, 3, 2), 1, 0.01);
+  EXPECT_NEAR(correlation(3, 2, 3, 2), 1, 1e-3);
 }
 
 }  // namespace

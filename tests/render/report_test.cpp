@@ -86,7 +86,7 @@ TEST_F(Report, JsonHasTheDocumentedFields) {
   const ReportFiles written = write_report(folder_, hierarchy, files_of(hierarchy), {.up = Vec3::UnitZ()});
   const auto json = nlohmann::json::parse(read_whole_file(written.json));
   EXPECT_EQ(json["name"], "ball");
-  EXPECT_NEAR(json["diagonal"].get<double>(), std::sqrt(12.0), 0.01);
+  EXPECT_NEAR(json["diagonal"].get<double>(), std::sqrt(12.0), 1e-12);
   EXPECT_EQ(json["view"]["image_height"], 1080);
   EXPECT_EQ(json["view"]["up"], nlohmann::json({0, 0, 1}));
   ASSERT_EQ(json["levels"].size(), 4u);

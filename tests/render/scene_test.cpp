@@ -71,7 +71,7 @@ TEST(Scene, AGroundCostsAModelNoDetail) {
   // The whole picture lies on the model. Rays start elsewhere, so float rounds them elsewhere.
   const Image alone = render(Scene(soup), camera);
   const Image with_ground = render(Scene(soup, {.ground = Ground{.up = Vec3::UnitY()}}), camera);
-  EXPECT_LT(compare_images(alone, with_ground).rmse, 1e-3);
+  EXPECT_LT(compare_images(alone, with_ground).rmse, 1e-5);
 }
 
 TEST(Scene, TexturesAreFactorsOfBaseColoursAndVertexColours) {
