@@ -28,6 +28,9 @@ constexpr double k_stuck = 1e-4;          // of a field as fast as that of a pla
 // Of `ShellOptions::step`.
 constexpr double k_largest_turn = 0.8;    // radians
 constexpr double k_shortest_step = 1e-5;  // of the thickness, for the longest of a path
+// The sums of the field jump where far parts are taken apart: smaller steps are allowed to turn and to be off
+// by as much as this one, or no step would be short enough.
+constexpr double k_most_precise = 0.01;
 constexpr double k_free = 0.97;
 // Of its third power: of the thickness, what a step may be off, 0.004 of it for steps of a quarter. Twelve
 // times less is what doubled steps of the second order still keep, and half of that again to spare.
@@ -96,7 +99,7 @@ class DirectorPath {
       : at_(start),
         asked_(start + k_first_step * thickness * normal),
         thickness_(thickness),
-        step_(step),
+        step_(std::max(step, k_most_precise)),
         is_smooth_(is_smooth) {
     const double n = std::ceil((1 - k_first_step) / std::max(step, k_shortest_step));
     longest_ = (1 - k_first_step) / n * thickness;
@@ -184,7 +187,8 @@ class DirectorPath {
 
   Vec3 at_ = Vec3::Zero(), asked_ = Vec3::Zero(), before_ = Vec3::Zero();
   Flow flow_{};
-  double thickness_ = 0, step_ = 0, longest_ = 0;
+  double thickness_ = 0, longest_ = 0;
+  double step_ = 0;  // that its precision is for
   double length_ = 0, length_before_ = 0, turn_ = 0, error_ = 0;
   int stride_ = k_longest / 2, tick_ = 0, n_ticks_ = 0;  // a step, and time, in shares of the longest step
   std::size_t evaluations_ = 0, most_evaluations_ = 0;

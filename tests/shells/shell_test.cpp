@@ -2,6 +2,7 @@
 #include "shell_shapes.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/sample_models.h>
 #include <recede/shells/shell.h>
 
 #include <gtest/gtest.h>
@@ -171,6 +172,16 @@ TEST(Shell, FollowsDirectorsInStepsOfAShareOfTheThickness) {
     EXPECT_NEAR(thickness_of(shell).least, 1, 1e-12);
     EXPECT_NEAR(thickness_of(shell).most, 1, 1e-12);
   }
+}
+
+TEST(Shell, WithTheSmallestStepsGetsAsFar) {
+  const PolygonSoup sphere = make_displaced_sphere(1000, true);
+  ShellOptions options = unrepaired(1);
+  const double least = thickness_of(build_shell(sphere, options)).least;
+  EXPECT_GT(least, 0.99);
+  options.step = 0.004;
+  // Larger steps are off by about a quarter of their third power.
+  EXPECT_NEAR(thickness_of(build_shell(sphere, options)).least, least, 0.004);
 }
 
 TEST(Shell, OfASheetStandsUprightAtItsBorders) {
