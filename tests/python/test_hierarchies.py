@@ -41,7 +41,7 @@ def test_bake_writes_a_glb_for_each_level(tmp_path, sphere):
     assert recede.bake(sphere, tmp_path, ratios=[0.1], report=False).level_glbs == []
     result = recede.bake(sphere, tmp_path, name="ball", ratios=[0.1], report=False, glb_per_level=True)
     assert [file.name for file in result.level_glbs] == [f"ball_level_{i}.glb" for i in range(len(result.levels))]
-    assert recede.read_mesh(result.level_glbs[1]).n_faces == result.levels[1].mesh.n_faces
+    assert recede.read(result.level_glbs[1]).n_faces == result.levels[1].mesh.n_faces
 
 
 def test_pictures_of_materials_go_with_meshes(tmp_path):
