@@ -221,8 +221,8 @@ std::string systems_table(const std::string& name, const std::function<Displaced
 /// RMS distance of the small triangles of levels 1, 2, ... from those of the last one, as shares of the
 /// diagonal.
 std::vector<double> level_errors(int last) {
-  const auto at_level = [](int level) {
-    const DisplacedSurface surface = fractal_sphere();
+  const DisplacedSurface surface = fractal_sphere();
+  const auto at_level = [&](int level) {
     DisplacedMeshOptions levels;
     levels.level = level;
     return DisplacedMesh(surface.base, surface.map, levels).tessellate();

@@ -2,10 +2,9 @@
 #include <recede/geometry/chart_atlas.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
+#include <recede/geometry/texture.h>
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 namespace recede::cli {
 namespace {
@@ -70,12 +69,9 @@ void run(AtlasCommandOptions options) {
   options.atlas.charts.keep_materials = !options.ignore_materials;
   PolygonSoup soup = read_unrepaired(options.input, options.common, &progress);
   if (soup.n_faces() == 0) throw InputError::in_file(options.input, "holds no faces");
-  if (std::any_of(soup.materials.begin(), soup.materials.end(), [](const Material& material) {
-        return !material.base_color_texture.empty() || !material.normal_texture.empty();
-      }))
-    print_remark(
-        fmt::format("{}: its textures don't fit the new coordinates and are left out", options.input),
-        options.common);
+  if (has_textures(soup.materials))
+    print_remark(options.input + ": its textures don't fit the new coordinates and are left out",
+                 options.common);
   merge_identical_vertices(soup);
   const AtlasResult atlas = make_atlas(soup, options.atlas, &progress);
   const WriteResult written = write_soup(options.output, atlas.soup);

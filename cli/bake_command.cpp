@@ -3,6 +3,7 @@
 #include "level_info.h"
 #include "size_option.h"
 #include <recede/geometry/error.h>
+#include <recede/geometry/texture.h>
 #include <recede/lod/out_of_core.h>
 #include <recede/render/far_level.h>
 #include <recede/render/report.h>
@@ -255,11 +256,8 @@ void print_out_of_core(const OutOfCoreHierarchy& built, const BakeOptions& optio
 
 /// A new atlas has no place for the textures of the input, unless their colours are baked.
 void print_lost_textures(const LodHierarchy& hierarchy, const CommonOptions& options) {
-  const std::vector<Material>& materials = hierarchy.levels.front().mesh.materials;
-  const bool has_textures = std::any_of(materials.begin(), materials.end(), [](const Material& material) {
-    return !material.base_color_texture.empty();
-  });
-  for (std::size_t i = 0; i < hierarchy.levels.size() && has_textures; ++i) {
+  if (!has_textures(hierarchy.levels.front().mesh.materials)) return;
+  for (std::size_t i = 0; i < hierarchy.levels.size(); ++i) {
     const auto& maps = hierarchy.levels[i].maps;
     if (!maps || maps->report.atlas_reason.empty() || !maps->color.samples.empty()) continue;
     print_remark(fmt::format("level {} has a new atlas ({}) and no texture; --maps color bakes one", i,

@@ -1,5 +1,4 @@
 #include "common.h"
-#include <recede/geometry/error.h>
 
 #include <fmt/format.h>
 
@@ -41,7 +40,6 @@ void print_text(const MeshDistance& d, const Model& first, const Model& second) 
 }
 
 void run(CompareOptions options) {
-  if (options.second.empty()) throw OptionError("two meshes are compared: recede compare FIRST SECOND");
   TerminalProgress progress(options.common.quiet);
   const Model first = read_model(options.first, &progress);
   const Model second = read_model(options.second, &progress);
@@ -75,7 +73,7 @@ void add_compare_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "Measures the distance between two surfaces, both ways.");
   command->footer("Example:\n  recede compare dragon.ply dragon_small.ply --bound-tolerance 0.01");
   command->add_option("first", options->first, k_input_help)->required();
-  command->add_option("second", options->second, "the other mesh");
+  command->add_option("second", options->second, "the other mesh")->required();
   command->add_option("--samples", options->distance.samples, "sample points per surface (200000)")
       ->check(above_zero());
   command

@@ -53,7 +53,7 @@ Base base_of_hierarchy(const DiceCommandOptions& options, const fs::path& folder
   if (!has_heights(levels[number])) {
     throw InputError::in_file(options.input, fmt::format("level {} has no displacement map", number));
   }
-  print_lost_colors(colored_surface(*levels[number].maps), options);
+  if (levels[number].maps->color.samples.empty()) print_lost_colors(levels[number].maps->surface, options);
   return {DisplacedBase(*levels[number].maps, options.levels, progress), number};
 }
 

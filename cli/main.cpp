@@ -72,6 +72,11 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     return fmt::format("{}: {} isn't a number", text.substr(conversion.size(), equals - conversion.size()),
                        text.substr(equals + 3));
   }
+  if (const std::string required = " is required"; text.ends_with(required)) {
+    const std::string name = text.substr(0, text.size() - required.size());
+    if (const CLI::Option* option = command.get_option_no_throw(name))
+      return fmt::format("{} needs {}: {}", command.get_name(), name, option->get_description());
+  }
   if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError)) return text;
   const std::string first = command.remaining().front();
   if (!first.starts_with('-')) return fmt::format("{}: one argument too many: {}", command.get_name(), first);

@@ -44,7 +44,8 @@ Raster decode(std::string_view bytes) {
   jpeg_decompress_struct& reader = file.reader;
   jpeg_mem_src(&reader, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&reader, TRUE);
-  // A block of 64 texels takes a bit at least, so a small file can't ask for all memory.
+  // A block of 64 texels takes a bit at least in Huffman's code, which all cameras and browsers use, so a
+  // small file can't ask for all memory.
   constexpr std::size_t k_most_texels_per_byte = 8 * 64;
   const std::size_t texels = std::size_t{reader.image_width} * reader.image_height;
   if (texels / k_most_texels_per_byte > bytes.size()) throw Error("JPEG: the file ends too early");

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <iterator>
 #include <new>
 
 namespace recede {
@@ -50,14 +49,12 @@ void clear_undefined_normals(PolygonSoup& soup) {
 }
 
 PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* progress,
-                         std::vector<std::string>& left_aside) {
+                         std::vector<std::string>* left_aside) {
   PolygonSoup soup;
   {
     // The text goes as soon as it is read: it may be as large as the mesh.
     const std::string content = read_whole_file(path);
-    const detail::InputFile file{path, path.string(), content, progress};
-    const bool is_gltf = format.extension == ".gltf" || format.extension == ".glb";
-    soup = is_gltf ? detail::read_gltf(file, left_aside) : format.read(file);
+    soup = format.read({path, path.string(), content, progress, left_aside});
   }
   if (soup.positions.empty()) throw InputError::in_file(path.string(), "holds no vertices");
   clear_undefined_normals(soup);
@@ -66,16 +63,7 @@ PolygonSoup read_checked(const Format& format, const fs::path& path, Progress* p
   return soup;
 }
 
-}  // namespace
-
-void check_mesh_path(const fs::path& path) {
-  format_of(path);
-  detail::check_place(path);
-}
-
-namespace {
-
-PolygonSoup read_in_memory(const fs::path& path, Progress* progress, std::vector<std::string>& left_aside) {
+PolygonSoup read_in_memory(const fs::path& path, Progress* progress, std::vector<std::string>* left_aside) {
   const Format& format = format_of(path);
   try {
     return read_checked(format, path, progress, left_aside);
@@ -86,21 +74,25 @@ PolygonSoup read_in_memory(const fs::path& path, Progress* progress, std::vector
 
 }  // namespace
 
+void check_mesh_path(const fs::path& path) {
+  format_of(path);
+  detail::check_place(path);
+}
+
 PolygonSoup read_soup(const fs::path& path, Progress* progress) {
-  std::vector<std::string> left_aside;
-  return read_in_memory(path, progress, left_aside);
+  return read_in_memory(path, progress, nullptr);
 }
 
 ReadSoup read_soup_with_pictures(const fs::path& path, Progress* progress) {
   std::vector<std::string> left_aside;
-  ReadSoup read{read_in_memory(path, progress, left_aside), {}};
-  PictureLoader pictures(path.parent_path());
-  pictures.load(read.soup.materials);
-  read.report.steps.push_back(pictures.step());
+  ReadSoup read{read_in_memory(path, progress, &left_aside), {}};
   if (!left_aside.empty()) {
     read.report.steps.push_back(
         {"read_soup", left_aside.size(), fmt::format("leaves {} aside", fmt::join(left_aside, ", "))});
   }
+  PictureLoader pictures(path.parent_path());
+  pictures.load(read.soup.materials);
+  read.report.steps.push_back(pictures.step());
   return read;
 }
 
@@ -132,7 +124,8 @@ void read_soup_in_pieces(const fs::path& path, std::size_t most_faces,
 MeshFromSoup read_mesh(const fs::path& path, Progress* progress) {
   ReadSoup read = read_soup_with_pictures(path, progress);
   MeshFromSoup repaired = repair_to_polygon_mesh(std::move(read.soup));
-  std::move(read.report.steps.begin(), read.report.steps.end(), std::back_inserter(repaired.report.steps));
+  std::vector<RepairStep>& steps = repaired.report.steps;
+  steps.insert(steps.begin(), read.report.steps.begin(), read.report.steps.end());
   return repaired;
 }
 

@@ -92,6 +92,20 @@ Vec3 Texture::color_at(const Vec2& uv, double width) const {
   return share > 0 ? Vec3((1 - share) * color + share * levels_[fine + 1].color_at(uv)) : color;
 }
 
+bool has_textures(const std::vector<Material>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const Material& material) {
+    return !material.base_color_texture.empty() || !material.normal_texture.empty();
+  });
+}
+
+void drop_textures(std::vector<Material>& materials) {
+  for (Material& material : materials) {
+    material.base_color_texture.clear();
+    material.normal_texture.clear();
+    material.base_color_picture = material.normal_picture = nullptr;
+  }
+}
+
 BaseColorTextures::BaseColorTextures(const std::vector<Material>& materials) {
   std::map<const std::string*, Index> known;
   for (const Material& material : materials) {
@@ -106,16 +120,12 @@ BaseColorTextures::BaseColorTextures(const std::vector<Material>& materials) {
   }
 }
 
-namespace {
-
-std::filesystem::path path_of(const std::filesystem::path& folder, const std::string& name) {
-  if (name.find('\0') != name.npos) throw InputError::in_file(name.c_str(), "isn't a file's name");
-  std::string slashed = name;
+std::filesystem::path picture_path(const std::filesystem::path& folder, const std::string& texture) {
+  if (texture.find('\0') != texture.npos) throw InputError::in_file(texture.c_str(), "isn't a file's name");
+  std::string slashed = texture;
   std::replace(slashed.begin(), slashed.end(), '\\', '/');
   return folder / slashed;
 }
-
-}  // namespace
 
 void PictureLoader::load(std::vector<Material>& materials) {
   for (Material& material : materials) {
@@ -133,21 +143,13 @@ void PictureLoader::load(const std::string& name, PictureBytes& picture) {
 
 PictureBytes PictureLoader::checked(const std::string& name, PictureBytes picture) {
   try {
-    if (!picture) picture = std::make_shared<const std::string>(read_whole_file(path_of(folder_, name)));
+    if (!picture) picture = std::make_shared<const std::string>(read_whole_file(picture_path(folder_, name)));
     decode_picture(*picture, name);
     return picture;
   } catch (const InputError& error) {
     reasons_.push_back(fmt::format("texture {}, of which only the name is left", error.what()));
     ++missing_;
     return nullptr;
-  }
-}
-
-void drop_textures(std::vector<Material>& materials) {
-  for (Material& material : materials) {
-    material.base_color_texture.clear();
-    material.normal_texture.clear();
-    material.base_color_picture = material.normal_picture = nullptr;
   }
 }
 

@@ -42,7 +42,9 @@ class Texture {
   std::vector<Level> levels_;
 };
 
-/// Textures by coordinates that the surface no longer has; base colours stay.
+/// Of base colours or of normals, whether or not their pictures are known.
+bool has_textures(const std::vector<Material>& materials);
+/// For surfaces with new coordinates, which textures don't fit; base colours stay.
 void drop_textures(std::vector<Material>& materials);
 
 /// The textures of the base colours of some materials, those whose pictures are known.
@@ -62,6 +64,10 @@ class BaseColorTextures {
   std::vector<Index> numbers_;  // of the materials' textures
   std::vector<Texture> textures_;
 };
+
+/// The file that a texture names, by its path from the folder of the model's file; some write backslashes.
+/// Throws `InputError` for names that no file can have.
+std::filesystem::path picture_path(const std::filesystem::path& folder, const std::string& texture);
 
 /// Reads the pictures that materials name from files, by paths relative to the folder of the model's file,
 /// each once. All are looked at, those that are known already, too.

@@ -154,7 +154,7 @@ class OutOfCoreBuilder {
       pictures.load(reduced.soup.materials);
       MeshFromSoup repaired = repair_to_polygon_mesh(std::move(reduced.soup));
       result_.repairs = std::move(repaired.report);
-      result_.repairs.steps.push_back(pictures.step());
+      result_.repairs.steps.insert(result_.repairs.steps.begin(), pictures.step());
       return std::move(repaired.mesh);
     } catch (const InputError& error) {
       throw InputError::in_file(file_.string(), error.what());

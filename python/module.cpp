@@ -111,7 +111,10 @@ std::vector<Simplified> simplify_mesh(const Mesh& mesh, const py::list& targets,
 
 Mesh read_repaired(const fs::path& path, bool repair, py::object progress) {
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
-    if (!repair) return make_mesh(read_soup(path, p));
+    if (!repair) {
+      ReadSoup unrepaired = read_soup_with_pictures(path, p);
+      return make_mesh(std::move(unrepaired.soup), std::move(unrepaired.report.steps));
+    }
     MeshFromSoup read = read_mesh(path, p);
     return make_mesh(to_soup(read.mesh), std::move(read.report.steps));
   });
@@ -128,22 +131,22 @@ struct Baked {
 };
 
 /// What to write beside a hierarchy.
-struct ReportChoice {
-  bool is_wanted = true;
+struct OutputChoice {
   HierarchyWriteOptions write;
-  ReportOptions options;
+  bool has_report = true;
+  ReportOptions report;
 };
 
-ReportChoice read_report_choice(const py::dict& from) {
-  ReportChoice report;
+OutputChoice read_output_choice(const py::dict& from) {
+  OutputChoice output;
   std::vector<double> up{0, 1, 0};
   read(from, "up", up);
   if (up.size() != 3) throw OptionError("up must have three numbers");
-  report.options.up = {up[0], up[1], up[2]};
-  read(from, "report", report.is_wanted);
-  read(from, "glb_per_level", report.write.glb_per_level);
-  read(from, "viewer_triangles", report.options.viewer_triangles);
-  return report;
+  output.report.up = {up[0], up[1], up[2]};
+  read(from, "report", output.has_report);
+  read(from, "glb_per_level", output.write.glb_per_level);
+  read(from, "viewer_triangles", output.report.viewer_triangles);
+  return output;
 }
 
 /// What hierarchies of meshes and of CAD models have in common.
@@ -157,10 +160,10 @@ void read_errors_and_view(const py::dict& from, Options& options) {
   read(from, "pixel_error", options.view.pixel_error);
 }
 
-void write(const fs::path& folder, Baked& baked, const ReportChoice& report, Progress* progress) {
-  baked.files = write_hierarchy(folder, baked.hierarchy, report.write);
-  if (report.is_wanted)
-    baked.report = write_report(folder, baked.hierarchy, baked.files, report.options, progress);
+void write(const fs::path& folder, Baked& baked, const OutputChoice& output, Progress* progress) {
+  baked.files = write_hierarchy(folder, baked.hierarchy, output.write);
+  if (output.has_report)
+    baked.report = write_report(folder, baked.hierarchy, baked.files, output.report, progress);
 }
 
 /// What `recede.bake` was asked for, of a mesh.
@@ -171,12 +174,12 @@ struct BakeOrder {
     read(levels, "ratios", hierarchy.ratios);
     read_errors_and_view(levels, hierarchy);
     if (levels.contains("maps") && py::len(levels["maps"]) > 0) hierarchy.maps = read_map_options(levels);
-    report = read_report_choice(levels);
+    output = read_output_choice(levels);
     read(levels, "billboards", with_billboards);
   }
 
   HierarchyOptions hierarchy;
-  ReportChoice report;
+  OutputChoice output;
   double feature_angle = 0;
   bool with_billboards = true;
 };
@@ -195,7 +198,7 @@ Baked finish(LodHierarchy hierarchy, const fs::path& folder, const BakeOrder& or
     append_far_levels(baked.hierarchy, trials, progress);
     for (const FarLevelTrial& trial : trials) baked.far_levels.push_back(trial.reason);
   }
-  write(folder, baked, order.report, progress);
+  write(folder, baked, order.output, progress);
   return baked;
 }
 
@@ -228,16 +231,16 @@ Baked bake_cad(const CadModel& model, const fs::path& folder, const std::string&
   read_errors_and_view(levels, options);
   read(levels, "gap", options.gap);
   read(levels, "use_connectivity", options.use_connectivity);
-  ReportChoice report = read_report_choice(levels);
+  OutputChoice output = read_output_choice(levels);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
     CadHierarchy cad = build_cad_hierarchy(model, name, options, p);
-    for (const CadLevelReport& level : cad.levels) report.options.patches.push_back(level.patches);
+    for (const CadLevelReport& level : cad.levels) output.report.patches.push_back(level.patches);
     Baked baked{.hierarchy = std::move(cad.hierarchy),
                 .files = {},
                 .report = {},
                 .cad_levels = std::move(cad.levels),
                 .cad_parts = std::move(cad.parts)};
-    write(folder, baked, report, p);
+    write(folder, baked, output, p);
     return baked;
   });
 }

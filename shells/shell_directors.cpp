@@ -28,8 +28,8 @@ constexpr double k_stuck = 1e-4;          // of a field as fast as that of a pla
 // Of `ShellOptions::step`.
 constexpr double k_largest_turn = 0.8;    // radians
 constexpr double k_shortest_step = 1e-5;  // of the thickness, for the longest of a path
-// The sums of the field jump where far parts are taken apart: smaller steps are allowed to turn and to be off
-// by as much as this one, or no step would be short enough.
+// Smaller steps may turn and be off by as much as this one. The field isn't as smooth as they would ask for:
+// no step was short enough, and paths ended on their way.
 constexpr double k_most_precise = 0.01;
 constexpr double k_free = 0.97;
 // Of its third power: of the thickness, what a step may be off, 0.004 of it for steps of a quarter. Twelve

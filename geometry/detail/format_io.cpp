@@ -1,6 +1,7 @@
 #include <recede/geometry/atomic_file.h>
 #include <recede/geometry/detail/format_io.h>
 #include <recede/geometry/error.h>
+#include <recede/geometry/texture.h>
 
 #include <fmt/format.h>
 
@@ -107,8 +108,9 @@ class PicturePlacer {
   PicturePlacer(const fs::path& file, OutputFile& output) : file_(file), output_(output) {}
 
   std::string name_of(const std::string& texture, const std::string& picture) {
-    if (holds(file_.parent_path() / texture, picture)) return texture;
-    const std::string own = fs::path(texture).filename().string(), stem = file_.stem().string();
+    const fs::path named = picture_path(file_.parent_path(), texture);
+    if (holds(named, picture)) return texture;
+    const std::string own = named.filename().string(), stem = file_.stem().string();
     std::string name = own;
     for (int k = 1; is_taken(name, picture); ++k)
       name = k == 1 ? fmt::format("{}_{}", stem, own) : fmt::format("{}_{}_{}", stem, k, own);

@@ -23,6 +23,9 @@ struct InputFile {
   std::string name;  ///< the path as it stands in messages
   std::string_view content;
   Progress* progress = nullptr;
+  /// Where readers put a phrase for each kind of thing that a soup has no place for: levels, skins,
+  /// animations.
+  std::vector<std::string>* left_aside = nullptr;
 
   [[noreturn]] void fail(const std::string& reason) const;
   [[noreturn]] void fail_at_line(std::size_t line, const std::string& reason) const;
@@ -130,8 +133,6 @@ PolygonSoup read_ply(const InputFile& file, std::vector<Vec3>& vertex_normals);
 PolygonSoup read_stl(const InputFile& file);
 PolygonSoup read_off(const InputFile& file);
 PolygonSoup read_gltf(const InputFile& file);
-/// The same, and a phrase for each kind of thing that the file has beside it: levels, skins, animations.
-PolygonSoup read_gltf(const InputFile& file, std::vector<std::string>& left_aside);
 
 OutputFile format_obj(const std::filesystem::path& path, const PolygonSoup& soup,
                       const WriteOptions& options);

@@ -342,12 +342,10 @@ class GltfReader {
 
 }  // namespace
 
-PolygonSoup read_gltf(const InputFile& file) { return GltfReader(file).read(); }
-
-PolygonSoup read_gltf(const InputFile& file, std::vector<std::string>& left_aside) {
+PolygonSoup read_gltf(const InputFile& file) {
   GltfReader reader(file);
   PolygonSoup soup = reader.read();
-  left_aside = reader.left_aside();
+  if (file.left_aside != nullptr) *file.left_aside = reader.left_aside();
   return soup;
 }
 

@@ -99,9 +99,8 @@ def read(path: Path, *, repair: bool = True, progress: Progress | None = None) -
     """The mesh in an OBJ, PLY, STL, OFF, glTF or GLB file.
 
     With `repair`, identical vertices are merged, degenerate and duplicate faces removed, faces oriented alike and
-    non-manifold places split; `mesh.repairs` says what each step changed. Pictures that materials name are read from beside the
-    file (`base_color_picture`, bytes). Without, the mesh is what the file holds.
-    Raises `InputError` that names the file and the line or byte.
+    non-manifold places split; `mesh.repairs` says what each step changed. Without, the mesh is what the file holds.
+    Pictures that materials name are read from beside the file (`base_color_picture`, bytes). Raises `InputError` that names the file and the line or byte.
     """
     return _recede.read(path, repair, progress)
 

@@ -37,7 +37,8 @@ TEST(BadInput, FolderInPlaceOfAFileIsNamed) {
   EXPECT_EQ(complaint_of(run_recede({"simplify", path, "-o", folder / "out.ply", "--ratio", "0.5"}), 1),
             "recede: " + path + ": is a folder");
   EXPECT_EQ(complaint_of(run_recede({"compare", path, path}), 1), "recede: " + path + ": is a folder");
-  EXPECT_THAT(complaint_of(run_recede({"compare", path}), 2), HasSubstr("two meshes are compared"));
+  EXPECT_THAT(complaint_of(run_recede({"compare", path}), 2),
+              HasSubstr("compare needs second: the other mesh"));
   EXPECT_THAT(complaint_of(run_recede({"info", path}), 1),
               HasSubstr(path + ": holds no hierarchy, which is a folder"));
 }

@@ -379,7 +379,7 @@ TEST(BakeCommand, PutsTexturesIntoTheGlbAndBakesTheirColours) {
   const CommandResult without = run_recede(bake);
   EXPECT_THAT(without.remarks,
               testing::AllOf(HasSubstr("load_pictures: texture "), HasSubstr("skin.png: No such file")));
-  EXPECT_EQ(json_of(without).at("repairs").back().at("changed"), 1);
+  EXPECT_EQ(json_of(without).at("repairs").front().at("changed"), 1);
   folder.write("skin.png", encode_png(raster_of(1, 1, {{200, 100, 50}})));
   EXPECT_EQ(run_recede(bake).remarks, "");
   const std::vector<Material> materials = read_soup(folder / "out/ball.glb").materials;
@@ -422,10 +422,10 @@ TEST(BakeCommand, WritesAGlbForEachLevelWhenAsked) {
     EXPECT_EQ(level.at("glb"), (folder / fmt::format("out/sphere_level_{}.glb", i)).string());
     const MeshFromSoup read = read_mesh(level.at("glb").get<std::string>());
     EXPECT_EQ(read.mesh.n_faces(), level.at("faces"));
-    EXPECT_NE(read.report.steps.back().name, "read_soup") << "nothing else is in it";
+    EXPECT_NE(read.report.steps.front().name, "read_soup") << "nothing else is in it";
     EXPECT_EQ(i == 1, !read.mesh.materials.empty() && read.mesh.materials[0].normal_picture != nullptr);
   }
-  EXPECT_THAT(read_mesh(result.at("hierarchy").get<std::string>()).report.steps.back().detail,
+  EXPECT_THAT(read_mesh(result.at("hierarchy").get<std::string>()).report.steps.front().detail,
               HasSubstr("leaves 1 coarser level of detail aside"));
 }
 

@@ -208,7 +208,7 @@ TEST(Pictures, GoBesideFilesThatHoldNoneAndReplaceNoOthers) {
   for (const Index v : soup.corner_vertices) soup.corner_uvs.push_back(soup.positions[v].head<2>());
   soup.materials.resize(3);
   soup.materials[0] = {"one", Vec4::Ones(), "left/skin.png"};
-  soup.materials[1] = {"two", Vec4::Ones(), "right/skin.png"};
+  soup.materials[1] = {"two", Vec4::Ones(), "right\\skin.png"};
   soup.materials[2] = {"three", Vec4::Ones(), "left/skin.png"};
   soup.materials[0].base_color_picture = soup.materials[2].base_color_picture = png_of(four_colors());
   soup.materials[1].base_color_picture = png_of(raster_of(1, 1, {{9, 8, 7}}));
@@ -231,7 +231,7 @@ TEST(Pictures, GoBesideFilesThatHoldNoneAndReplaceNoOthers) {
     soup.materials[1].base_color_picture = nullptr;
     write_soup(folder / name, soup);
     EXPECT_EQ(read_soup(folder / name).materials[0].base_color_texture, "left/skin.png");
-    EXPECT_EQ(read_soup(folder / name).materials[1].base_color_texture, "right/skin.png");
+    EXPECT_EQ(read_soup(folder / name).materials[1].base_color_texture, "right\\skin.png");
     soup.materials[1].base_color_picture = png_of(raster_of(1, 1, {{9, 8, 7}}));
   }
 }
@@ -246,7 +246,7 @@ TEST(Pictures, OfMeshesAreReadAndMissingOnesAreRepairsThatAreTold) {
   const MeshFromSoup read = read_mesh(folder / "a.obj");
   EXPECT_EQ(*read.mesh.materials[0].base_color_picture, encode_png(four_colors()));
   EXPECT_FALSE(read.mesh.materials[1].base_color_picture);
-  const RepairStep& step = read.report.steps.back();
+  const RepairStep& step = read.report.steps.front();
   EXPECT_EQ(step.name, "load_pictures");
   EXPECT_EQ(step.changed, 1u);
   EXPECT_THAT(step.detail, HasSubstr("gone.png: No such file"));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <array>
 #include <filesystem>
 #include <random>
 #include <set>
@@ -250,17 +251,23 @@ TEST(BillboardCloud, CoversWithFewPlanes) {
     expect_cloud(model, cloud, options, box.diagonal().norm());
 }
 
+constexpr std::array k_methods_of_faces{BillboardMethod::face_clustering, BillboardMethod::plane_cover,
+                                        BillboardMethod::simplification};
+
+BillboardCloud cloud_of(const PolygonSoup& model, BillboardMethod method, double error) {
+  BillboardOptions options;
+  options.method = method;
+  options.errors = {error};
+  return build_billboard_clouds(model, options)[0];
+}
+
 // Two triangles of equal size that turn against each other, and a square upright beside them.
 TEST(BillboardCloud, HoldsFacesThatCrossThemselves) {
   const PolygonSoup model =
       soup_of({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}, {2, 1, 1}, {2, 0, 1}},
               {{0, 1, 2, 3}, {4, 5, 6, 7}});
-  for (const BillboardMethod method :
-       {BillboardMethod::face_clustering, BillboardMethod::plane_cover, BillboardMethod::simplification}) {
-    BillboardOptions options;
-    options.method = method;
-    options.errors = {0.01};
-    const BillboardCloud cloud = build_billboard_clouds(model, options)[0];
+  for (const BillboardMethod method : k_methods_of_faces) {
+    const BillboardCloud cloud = cloud_of(model, method, 0.01);
     ASSERT_EQ(cloud.billboards.size(), 2u) << static_cast<int>(method);
     for (const Billboard& billboard : cloud.billboards) {
       constexpr double k_turned = 2e-4;  // one less the cosine of a turn within the error
@@ -276,12 +283,8 @@ TEST(BillboardCloud, HasOneForAFaceThatIsBentByMoreThanItsError) {
   const PolygonSoup saddles = soup_of(
       {{0, 0, 0.5}, {1, 0, -0.5}, {1, 1, 0.5}, {0, 1, -0.5}, {3, 0, 0}, {4, 0, 0}, {4, 1, 0}, {3, 1, 0}},
       {{0, 1, 2, 3}, {4, 5, 6, 7}});
-  for (const BillboardMethod method :
-       {BillboardMethod::face_clustering, BillboardMethod::plane_cover, BillboardMethod::simplification}) {
-    BillboardOptions options;
-    options.method = method;
-    options.errors = {0.01};
-    const BillboardCloud cloud = build_billboard_clouds(saddles, options)[0];
+  for (const BillboardMethod method : k_methods_of_faces) {
+    const BillboardCloud cloud = cloud_of(saddles, method, 0.01);
     std::vector<Index> faces;
     for (const Billboard& billboard : cloud.billboards) {
       faces.insert(faces.end(), billboard.faces.begin(), billboard.faces.end());

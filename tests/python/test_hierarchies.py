@@ -54,6 +54,8 @@ def test_pictures_of_materials_go_with_meshes(tmp_path):
     assert "skin.png" in [step.detail for step in without.repairs if step.name == "load_pictures"][0]
     recede.write_image(tmp_path / "skin.png", np.full((1, 1, 3), [0.5, 0.25, 0.125]))
     ball = recede.read(tmp_path / "ball.obj")
+    unrepaired = recede.read(tmp_path / "ball.obj", repair=False)
+    assert unrepaired.materials[0].base_color_picture == ball.materials[0].base_color_picture
     assert ball.materials[0].base_color_picture == (tmp_path / "skin.png").read_bytes()
     result = recede.bake(ball, tmp_path / "out", ratios=[0.5], report=False, billboards=False)
     assert recede.read(result.glb).materials[0].base_color_picture == ball.materials[0].base_color_picture
