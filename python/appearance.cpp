@@ -22,7 +22,7 @@ SharedAppearance make(const py::object& surface, const py::object& height, const
   bool periodic = false;
   read(settings, "periodic", periodic);
   if (height.is_none()) {
-    const std::shared_ptr<const BakedMaps> maps = surface.cast<const Baked&>().maps;
+    const std::shared_ptr<const BakedMaps> maps = surface.cast<const SharedMaps&>().maps;
     return PythonProgress(std::move(progress)).run([&](Progress* p) {
       return SharedAppearance{make_appearance(*maps, options, p)};
     });

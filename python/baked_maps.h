@@ -1,4 +1,4 @@
-// Baked maps as Python holds them.
+// SharedMaps maps as Python holds them.
 #pragma once
 
 #include <recede/lod/displacement_bake.h>
@@ -8,7 +8,7 @@
 namespace recede::python {
 
 /// Shared, so that arrays and measurements outlive the lock.
-struct Baked {
+struct SharedMaps {
   std::shared_ptr<const BakedMaps> maps;
 };
 

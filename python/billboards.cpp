@@ -62,11 +62,8 @@ std::vector<Cloud> make_clouds(const Mesh& mesh, const py::dict& settings, bool 
       options.errors.push_back(share * bounding_box(model).diagonal().norm());
     std::vector<Cloud> clouds;
     if (most_bytes) {
-      auto best = std::make_shared<const BillboardTextures>(
-          billboards_within(model, *most_bytes, options, textures, p));
-      clouds.push_back({std::make_shared<const BillboardCloud>(BillboardCloud{
-                            best->error, best->billboards, best->left_out, options.is_two_sided}),
-                        std::move(best)});
+      clouds.push_back(
+          cloud_of(billboards_within(model, *most_bytes, options, textures, p), options.is_two_sided));
       return clouds;
     }
     for (BillboardCloud& cloud : build_billboard_clouds(model, options, p)) {
@@ -137,9 +134,9 @@ py::array of_each(const Cloud& cloud, const Value& value) {
   return rows;
 }
 
-py::array numbers_of(const Cloud& cloud, double Billboard::*member) {
+py::array numbers_of(const Cloud& cloud, double Billboard::*member, double scale = 1) {
   std::vector<double> numbers;
-  for (const Billboard& billboard : cloud.billboards()) numbers.push_back(billboard.*member);
+  for (const Billboard& billboard : cloud.billboards()) numbers.push_back(scale * billboard.*member);
   return py::array_t<double>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
 }
 
@@ -182,6 +179,12 @@ auto if_textured(const Value& value) {
 
 }  // namespace
 
+Cloud cloud_of(BillboardTextures textures, bool is_two_sided) {
+  auto shared = std::make_shared<const BillboardTextures>(std::move(textures));
+  BillboardCloud cloud{shared->error, shared->billboards, shared->left_out, is_two_sided};
+  return {std::make_shared<const BillboardCloud>(std::move(cloud)), std::move(shared)};
+}
+
 void bind_billboards(py::module_& m) {
   py::class_<Cloud>(m, "BillboardCloud")
       .def_property_readonly("error", [](const Cloud& cloud) { return cloud.cloud->error; })
@@ -195,8 +198,9 @@ void bind_billboards(py::module_& m) {
           "axes_v", [](const Cloud& c) { return of_each(c, [](const Billboard& b) { return b.axis_v; }); })
       .def_property_readonly("half_sizes", &half_sizes)
       .def_property_readonly("errors", [](const Cloud& c) { return numbers_of(c, &Billboard::error); })
-      .def_property_readonly("normal_deviations",
-                             [](const Cloud& c) { return numbers_of(c, &Billboard::normal_deviation); })
+      .def_property_readonly(
+          "normal_deviations",
+          [](const Cloud& c) { return numbers_of(c, &Billboard::normal_deviation, 180 / std::numbers::pi); })
       .def(
           "faces_of",
           [](const Cloud& cloud, std::size_t billboard) {

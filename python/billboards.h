@@ -19,6 +19,9 @@ struct Cloud {
   }
 };
 
+/// Of textures that were made, or read with a hierarchy.
+Cloud cloud_of(BillboardTextures textures, bool is_two_sided = false);
+
 struct SharedReflectance {
   std::shared_ptr<const BillboardReflectance> reflectance;
 };

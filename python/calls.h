@@ -8,9 +8,12 @@
 
 #include <pybind11/pybind11.h>
 
+#include <atomic>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace recede::python {
@@ -47,49 +50,47 @@ class PythonProgress final : public Progress {
   }
   bool cancel_requested() const override { return stopped_; }
 
-  /// Runs `work` without the lock. What the callable raised goes on from here.
+  /// Runs `work` without the lock. What the callable raised goes on from here, even if the work is done.
   template <typename Work>
   auto run(Work&& work) {
+    std::optional<std::invoke_result_t<Work, Progress*>> result;
     try {
       const py::gil_scoped_release unlocked;
-      return work(this);
+      result.emplace(work(this));
     } catch (const Cancelled&) {
-      if (error_) std::rethrow_exception(error_);
-      throw;
+      if (!error_) throw;
     }
+    if (error_) std::rethrow_exception(error_);
+    return *std::move(result);
   }
 
  private:
   py::object callback_;
-  bool stopped_ = false;
+  std::atomic<bool> stopped_ = false;
   std::exception_ptr error_;
 };
 
 /// Options by the names of `SimplifyOptions`, with the target. Throws `OptionError` for unknown choices.
 SimplifyOptions read_options(const py::dict& from);
 
-/// Adds billboard clouds.
-void bind_billboards(py::module_& m);
-/// Adds CAD models.
-void bind_cad(py::module_& m);
-/// Adds charts and atlases to the module.
-void bind_charts(py::module_& m);
-/// Adds subdivision surfaces.
-void bind_shells(py::module_& m);
-void bind_subdivision(py::module_& m);
-/// Adds volume textures and textured shells.
-void bind_volumes(py::module_& m);
-/// Adds hierarchies that are read.
-void bind_hierarchy(py::module_& m);
-/// Adds progressive meshes to the module.
-void bind_progressive(py::module_& m);
-/// Adds pictures and their differences.
-void bind_images(py::module_& m);
-/// Adds baked maps.
-void bind_maps(py::module_& m);
-/// Adds diced views.
-void bind_dicing(py::module_& m);
-/// How displaced surfaces look from afar.
+/// The soup, with edges marked that are sharper than the angle (radians); 0: as it is.
+PolygonSoup with_features(const PolygonSoup& soup, double feature_angle);
+
+// What each part adds to the module.
 void bind_appearance(py::module_& m);
+void bind_baking(py::module_& m);
+void bind_billboards(py::module_& m);
+void bind_cad(py::module_& m);
+void bind_charts(py::module_& m);
+void bind_dicing(py::module_& m);
+void bind_hierarchy(py::module_& m);
+void bind_images(py::module_& m);
+void bind_maps(py::module_& m);
+void bind_mesh(py::module_& m);
+void bind_progressive(py::module_& m);
+void bind_shells(py::module_& m);
+void bind_simplification(py::module_& m);
+void bind_subdivision(py::module_& m);
+void bind_volumes(py::module_& m);
 
 }  // namespace recede::python

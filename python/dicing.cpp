@@ -44,7 +44,7 @@ Diced dice(const py::object& surface, const py::object& height, const std::optio
   std::shared_ptr<const PolygonSoup> soup;
   std::optional<DisplacementMap> map;
   if (height.is_none()) {
-    maps = surface.cast<const Baked&>().maps;
+    maps = surface.cast<const SharedMaps&>().maps;
   } else {
     soup = surface.cast<const Mesh&>().soup;
     map = read_heights(height, periodic ? MapBorder::periodic : MapBorder::clamped);

@@ -199,8 +199,8 @@ struct Drawn {
 
 Drawn read_drawn(const py::object& surface, const py::dict& from) {
   Drawn drawn;
-  if (py::isinstance<Baked>(surface)) {
-    drawn.maps = surface.cast<const Baked&>().maps;
+  if (py::isinstance<SharedMaps>(surface)) {
+    drawn.maps = surface.cast<const SharedMaps&>().maps;
     return drawn;
   }
   if (py::isinstance<FilledShell>(surface)) {

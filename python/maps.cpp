@@ -1,4 +1,4 @@
-// Baked maps for Python.
+// SharedMaps maps for Python.
 #include "baked_maps.h"
 #include "calls.h"
 #include "numpy_arrays.h"
@@ -20,7 +20,7 @@ py::object picture(const BakedMaps& maps, const std::vector<Sample>& samples, py
   return py::array_t<Sample>(shape, samples.data());
 }
 
-py::object height(const Baked& baked) {
+py::object height(const SharedMaps& baked) {
   const BakedMaps& maps = *baked.maps;
   if (maps.displacement.samples.empty()) return py::none();
   if (!maps.float_displacement.samples.empty()) return picture(maps, maps.float_displacement.samples, 1);
@@ -32,7 +32,7 @@ py::object height(const Baked& baked) {
 }
 
 /// Unit vectors of tangent space.
-py::object normal(const Baked& baked) {
+py::object normal(const SharedMaps& baked) {
   const BakedMaps& maps = *baked.maps;
   const bool whole = maps.float_normal.samples.empty();
   const std::size_t n = whole ? maps.normal.samples.size() : maps.float_normal.samples.size();
@@ -51,12 +51,12 @@ py::object normal(const Baked& baked) {
   return picture(maps, normals, 3);
 }
 
-py::object color(const Baked& baked) {
+py::object color(const SharedMaps& baked) {
   const std::vector<std::uint16_t>& samples = baked.maps->color.samples;
   return picture(*baked.maps, std::vector<std::uint8_t>(samples.begin(), samples.end()), 3);
 }
 
-py::dict report(const Baked& baked) {
+py::dict report(const SharedMaps& baked) {
   const MapReport& report = baked.maps->report;
   py::dict result;
   result["atlas_reason"] = report.atlas_reason;
@@ -70,14 +70,14 @@ py::dict report(const Baked& baked) {
   return result;
 }
 
-Baked bake(const Mesh& fine, const Mesh& coarse, const py::dict& settings, py::object progress) {
+SharedMaps bake(const Mesh& fine, const Mesh& coarse, const py::dict& settings, py::object progress) {
   const MapOptions options = read_map_options(settings);
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
-    return Baked{std::make_shared<const BakedMaps>(bake_maps(*fine.soup, *coarse.soup, options, p))};
+    return SharedMaps{std::make_shared<const BakedMaps>(bake_maps(*fine.soup, *coarse.soup, options, p))};
   });
 }
 
-py::dict measure(const Baked& baked, const Mesh& fine, py::object progress) {
+py::dict measure(const SharedMaps& baked, const Mesh& fine, py::object progress) {
   const MapAccuracy accuracy = PythonProgress(std::move(progress)).run([&](Progress* p) {
     return measure_maps(*fine.soup, *baked.maps, p);
   });
@@ -94,10 +94,10 @@ py::dict measure(const Baked& baked, const Mesh& fine, py::object progress) {
 MapOptions read_map_options(const py::dict& from) {
   MapOptions options;
   options.displacement = options.normal = options.color = false;
-  for (const py::handle map : from["maps"].cast<py::list>()) {
+  for (const std::string& map : value_of<std::vector<std::string>>(from, "maps")) {
     const std::map<std::string, bool*> wanted{
         {"displacement", &options.displacement}, {"normal", &options.normal}, {"color", &options.color}};
-    *choice("maps", map.cast<std::string>(), wanted) = true;
+    *choice("maps", map, wanted) = true;
   }
   read(from, "map_size", options.size);
   read(from, "map_normal_bits", options.normal_bits);
@@ -109,21 +109,22 @@ MapOptions read_map_options(const py::dict& from) {
 }
 
 void bind_maps(py::module_& m) {
-  const auto uvs = [](const Baked& b) -> const std::vector<Vec2>& { return b.maps->surface.corner_uvs; };
-  py::class_<Baked>(m, "BakedMaps")
-      .def_property_readonly("surface", [](const Baked& b) { return make_mesh(b.maps->surface); })
-      .def_property_readonly("size", [](const Baked& b) { return b.maps->size; })
+  const auto uvs = [](const SharedMaps& b) -> const std::vector<Vec2>& { return b.maps->surface.corner_uvs; };
+  py::class_<SharedMaps>(m, "BakedMaps")
+      .def_property_readonly("surface", [](const SharedMaps& b) { return make_mesh(b.maps->surface); })
+      .def_property_readonly("size", [](const SharedMaps& b) { return b.maps->size; })
       .def_property_readonly("height", &height)
       .def_property_readonly("normal", &normal)
       .def_property_readonly("color", &color)
-      .def_property_readonly("uvs",
-                             [uvs](const py::object& s) { return rows_of(uvs(s.cast<const Baked&>()), s); })
       .def_property_readonly(
-          "normals",
-          [](const py::object& s) { return rows_of(s.cast<const Baked&>().maps->surface.corner_normals, s); })
+          "uvs", [uvs](const py::object& s) { return rows_of(uvs(s.cast<const SharedMaps&>()), s); })
+      .def_property_readonly("normals",
+                             [](const py::object& s) {
+                               return rows_of(s.cast<const SharedMaps&>().maps->surface.corner_normals, s);
+                             })
       .def_property_readonly(
           "tangents",
-          [](const py::object& s) { return rows_of(s.cast<const Baked&>().maps->corner_tangents, s); })
+          [](const py::object& s) { return rows_of(s.cast<const SharedMaps&>().maps->corner_tangents, s); })
       .def_property_readonly("report", &report)
       .def("measure", &measure, py::arg("fine"), py::kw_only(), py::arg("progress") = py::none());
   m.def("bake_maps", &bake);

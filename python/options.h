@@ -28,17 +28,12 @@ template <typename Value>
 void read(const py::dict& from, const char* key, Value& to) {
   if (from.contains(key) && !from[key].is_none()) to = value_of<Value>(from, key);
 }
-template <typename Value>
-void read(const py::dict& from, const char* key, std::optional<Value>& to) {
-  if (from.contains(key) && !from[key].is_none()) to = value_of<Value>(from, key);
-}
 
 /// A dictionary of numbers by name.
 inline void read(const py::dict& from, const char* key, std::vector<std::pair<std::string, double>>& to) {
-  if (!from.contains(key)) return;
-  for (const auto& [name, weight] : from[key].cast<py::dict>()) {
-    to.emplace_back(name.cast<std::string>(), weight.cast<double>());
-  }
+  if (!from.contains(key) || from[key].is_none()) return;
+  for (const auto& [name, number] : value_of<std::map<std::string, double>>(from, key))
+    to.emplace_back(name, number);
 }
 
 /// What the name stands for; hyphens and underscores are alike. Throws `OptionError` with all names when it

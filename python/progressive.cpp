@@ -26,10 +26,7 @@ Progressive make_progressive(ProgressiveMesh mesh) {
 Progressive build(const Mesh& mesh, const py::dict& settings, double feature_angle, py::object progress) {
   const ProgressiveOptions options{read_options(settings)};
   return PythonProgress(std::move(progress)).run([&](Progress* p) {
-    if (feature_angle == 0) return make_progressive(build_progressive_mesh(*mesh.soup, options, p));
-    PolygonMesh marked = repair_to_polygon_mesh(*mesh.soup).mesh;
-    mark_feature_edges(marked, feature_angle);
-    return make_progressive(build_progressive_mesh(to_soup(marked), options, p));
+    return make_progressive(build_progressive_mesh(with_features(*mesh.soup, feature_angle), options, p));
   });
 }
 

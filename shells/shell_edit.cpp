@@ -214,6 +214,7 @@ InsideDistance mesh_body(std::shared_ptr<const SignedDistance> mesh) {
 }
 
 ShellPlace nearest_place(const Shell& shell, const Vec3& point) {
+  if (!point.allFinite()) throw OptionError("a place on a shell needs finite coordinates");
   const PolygonSoup& base = shell.base;
   std::vector<Index> numbers, vertices;  // of triangles with an area, in which places have weights
   for (Index t = 0; t < base.n_faces(); ++t) {

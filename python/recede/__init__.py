@@ -65,7 +65,7 @@ from ._recede import (
     __version__,
 )
 from . import _recede
-from ._options import simplify_options
+from ._options import place_or_none, simplify_options, three_numbers
 from ._texts import give_texts, need_mesh
 from .billboards import (build_billboards, make_billboard_reflectance, read_billboard_reflectance,
                          write_billboards)
@@ -232,10 +232,10 @@ def dice(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, eye:
     """
     if not isinstance(surface, Mesh if height is not None else BakedMaps):
         raise TypeError("dice takes baked maps, or a mesh and its heights")
-    settings = {"up": up, "field_of_view": field_of_view * pi / 180, "image_width": image_width,
+    settings = {"up": three_numbers("up", up), "field_of_view": field_of_view * pi / 180, "image_width": image_width,
                 "image_height": image_height, "triangle_pixels": triangle_pixels, "footprint": footprint,
                 "map_levels": map_levels, "periodic": periodic, "cull": cull, "normals": normals}
-    return _recede.dice(surface, height, eye, look_at, settings, progress)
+    return _recede.dice(surface, height, place_or_none("eye", eye), place_or_none("look_at", look_at), settings, progress)
 
 
 def make_appearance(surface: BakedMaps | Mesh, height: npt.ArrayLike | None = None, *, periodic: bool = False, bins: int = 31,

@@ -24,7 +24,11 @@ class Cancelled(Error):
     """The progress callable asked to stop. Nothing was changed or written."""
 
 class Material:
-    def __init__(self, name: str, base_color: Sequence[float] = ..., base_color_texture: str = "") -> None: ...
+    def __init__(
+        self, name: str, base_color: Sequence[float] = ..., base_color_texture: str = "",
+        base_color_picture: Optional[bytes] = None,
+    ) -> None:
+        """`base_color_picture` are the bytes of a PNG or JPEG file, and `base_color_texture` its name, which it needs."""
     @property
     def name(self) -> str: ...
     @property
@@ -220,6 +224,12 @@ class Level:
     @property
     def is_billboards(self) -> bool:
         """`mesh` has their rectangles"""
+    @property
+    def maps(self) -> Optional[BakedMaps]:
+        """A copy of those that were baked for it"""
+    @property
+    def billboards(self) -> Optional[BillboardCloud]:
+        """A copy of them; one that was read doesn't know the faces that they stand for"""
 
 class MapFiles:
     """The maps of a level; None: there is no such map."""
@@ -280,7 +290,7 @@ class Appearance:
     def write(self, path: _Path) -> None: ...
 
 def make_appearance(
-    surface: Any, height: Any, settings: Mapping[str, Any], progress: Optional[_Progress]
+    surface: Any, height: Any, settings: Mapping[str, Any], progress: _Progress
 ) -> Appearance: ...
 def read_appearance(path: _Path) -> Appearance: ...
 
@@ -334,7 +344,7 @@ class BillboardCloud:
         """(n,), the largest distance of a face from each"""
     @property
     def normal_deviations(self) -> npt.NDArray[np.float64]:
-        """(n,), the largest angle between a face and each, radians"""
+        """(n,), the largest angle between a face and each, degrees"""
     def faces_of(self, billboard: int) -> list[int]: ...
     @property
     def places(self) -> Optional[npt.NDArray[np.int32]]:
@@ -858,7 +868,7 @@ def dice(
     look_at: Optional[Sequence[float]], settings: dict[str, Any], progress: _Progress,
 ) -> DicedView: ...
 def render(
-    mesh: Mesh, eye: Any, look_at: Any, up: Any, field_of_view: float, width: int, height: int,
+    surface: Union[Mesh, BakedMaps, BillboardCloud, TexturedShell], eye: Any, look_at: Any, up: Any, field_of_view: float, width: int, height: int,
     options: Mapping[str, Any], progress: _Progress,
 ) -> npt.NDArray[np.float32]: ...
 def make_atlas(mesh: Mesh, options: Mapping[str, Any], progress: _Progress) -> Atlas: ...

@@ -8,6 +8,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import _recede
+from ._options import list_of
 from ._texts import need_mesh
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ def build_billboards(mesh: Mesh, *, errors: Sequence[float] | None = None,
     texels are between rectangles. `most_bytes`: instead of errors, the one cloud of least error whose textures take at
     most as many bytes. Raises `OptionError` when none fits.
     """
-    settings = {"errors": list(errors or []), "relative_errors": list(relative_errors or []), "method": method,
+    settings = {"errors": list_of(errors), "relative_errors": list_of(relative_errors), "method": method,
                 "normal_deviation": normal_deviation, "waste": waste, "two_sided": two_sided,
                 "neighbours": neighbours, "texels_per_error": texels_per_error, "samples": samples,
                 "overlap": overlap, "gutter": gutter, "most_bytes": most_bytes}

@@ -7,7 +7,7 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 from . import _recede
-from ._options import map_options, simplify_options
+from ._options import list_of, map_options, simplify_options, three_numbers
 from ._recede import CadModel, Mesh, OptionError
 from ._texts import need_mesh
 
@@ -76,16 +76,17 @@ def bake(surface: Mesh | CadModel | Path, folder: Path, *, name: str = "model", 
     file, `result.source_faces` is the number of its faces (else None), and `result.left_out` has the levels that would be finer
     than level 0.
     """
-    levels = {"faces": list(faces or []), "ratios": list(ratios or []), "errors": list(errors or []),
-              "relative_errors": list(relative_errors or []), "distances": list(distances or []),
+    levels = {"faces": list_of(faces), "ratios": list_of(ratios), "errors": list_of(errors),
+              "relative_errors": list_of(relative_errors), "distances": list_of(distances),
               "image_height": image_height, "field_of_view": field_of_view * pi / 180, "pixel_error": pixel_error,
-              "up": list(up), "report": report, "viewer_triangles": viewer_triangles, "billboards": billboards,
+              "up": three_numbers("up", up), "report": report, "viewer_triangles": viewer_triangles, "billboards": billboards,
               "glb_per_level": glb_per_level, "gap": gap, "use_connectivity": use_connectivity,
               **map_options(maps, map_size, map_format, map_normal_bits, map_seam_weight)}
     settings, feature_angle = simplify_options(options)
     if isinstance(surface, CadModel):
-        for option, value in {"faces": faces, "ratios": ratios, "maps": maps, "memory": memory, **options}.items():
-            if value is not None and value != ():
+        for_meshes = {"faces": faces, "ratios": ratios, "maps": levels["maps"] or None, "memory": memory, **options}
+        for option, value in for_meshes.items():
+            if value is not None:
                 raise OptionError(f"{option} is for meshes, not for CAD models")
         return _recede.bake_cad(surface, folder, name, levels, progress)
     if gap != 0 or not use_connectivity:

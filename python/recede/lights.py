@@ -11,6 +11,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
+from ._options import three_numbers
 from ._recede import OptionError
 
 Path = Union[str, "os.PathLike[str]"]
@@ -71,13 +72,6 @@ def _color(color: Any) -> list[float]:
     return [float(value) for value in np.broadcast_to(values, 3)]
 
 
-def _vector(vector: Any) -> list[float]:
-    values = np.asarray(vector, dtype=float)
-    if values.shape != (3,):
-        raise OptionError("places and directions of lights are three numbers")
-    return [float(value) for value in values]
-
-
 def _environment(light: EnvironmentLight) -> tuple[Any, ...]:
     picture: Any = light.radiance
     if not isinstance(picture, (str, os.PathLike)):
@@ -91,14 +85,14 @@ def light_tuples(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
     sorted_lights: dict[str, list[tuple[Any, ...]]] = {"point": [], "directional": [], "area": [], "environment": []}
     for light in lights:
         if isinstance(light, PointLight):
-            sorted_lights["point"].append((_vector(light.position), _color(light.intensity)))
+            sorted_lights["point"].append((three_numbers("position", light.position), _color(light.intensity)))
         elif isinstance(light, DirectionalLight):
             sorted_lights["directional"].append(
-                (_vector(light.toward), _color(light.irradiance), light.angular_radius * pi / 180))
+                (three_numbers("toward", light.toward), _color(light.irradiance), light.angular_radius * pi / 180))
         elif isinstance(light, AreaLight):
             sorted_lights["area"].append(
-                (_vector(light.corner), _vector(light.first_edge), _vector(light.second_edge), _color(light.radiance),
-                 light.two_sided))
+                (three_numbers("corner", light.corner), three_numbers("first_edge", light.first_edge),
+                 three_numbers("second_edge", light.second_edge), _color(light.radiance), light.two_sided))
         elif isinstance(light, EnvironmentLight):
             sorted_lights["environment"].append(_environment(light))
         else:

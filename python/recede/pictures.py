@@ -7,6 +7,7 @@ from math import pi
 from typing import TYPE_CHECKING
 
 from . import _recede
+from ._options import place_or_none, three_numbers
 from ._recede import BakedMaps, BillboardCloud, Mesh, OptionError, TexturedShell
 from .lights import Light, light_tuples
 
@@ -105,4 +106,5 @@ def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: n
     is_surface = isinstance(surface, (Mesh, BakedMaps, BillboardCloud, TexturedShell))
     if not is_surface or (height is not None and not isinstance(surface, Mesh)):
         raise TypeError("render takes a mesh, a mesh and its heights, baked maps, billboards, or a textured shell")
+    eye, look_at, up = place_or_none("eye", eye), place_or_none("look_at", look_at), three_numbers("up", up)
     return _recede.render(surface, eye, look_at, up, field_of_view * pi / 180, image_width, image_height, options, progress)

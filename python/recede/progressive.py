@@ -7,7 +7,7 @@ from math import pi
 from typing import TYPE_CHECKING, Any
 
 from . import _recede
-from ._options import simplify_options
+from ._options import simplify_options, three_numbers
 from ._texts import need_mesh
 
 if TYPE_CHECKING:
@@ -100,14 +100,16 @@ class SelectiveMesh:
         """Refines and coarsens from where the last view left it, until errors of at most `pixel_error` pixels are seen.
 
         Looks from `position` to `target`, object units; `field_of_view` is vertical, degrees; the image is as wide as high without
-        `image_width` (pixels). Faces that look away and
-        silhouettes may have errors of their own; `cull` leaves what is outside the image coarse; with at most so many `faces` the
-        largest errors go first. Raises `OptionError` for what is out of range.
+        `image_width` (pixels). Faces that look away and silhouettes may have errors of their own; `cull` leaves what is outside
+        the image coarse; with at most so many `faces` the largest errors go first. Raises `OptionError` for what is out of range.
         """
         view = _recede.RefinementView()
-        view.position, view.target, view.up = position, target, up
+        view.position, view.target = three_numbers("position", position), three_numbers("target", target)
+        view.up = three_numbers("up", up)
         view.image_height, view.field_of_view, view.pixel_error = image_height, field_of_view * pi / 180, pixel_error
-        view.aspect_ratio, view.cull = (image_width or image_height) / image_height, cull
+        view.cull = cull
+        if image_width is not None and image_height > 0:
+            view.aspect_ratio = image_width / image_height
         view.back_pixel_error, view.silhouette_pixel_error = back_pixel_error, silhouette_pixel_error
         view.faces = faces
         return self._compiled.update(view)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from math import pi
 from typing import TYPE_CHECKING
 
-import numpy as np
 import numpy.typing as npt
 
 from . import _recede
+from ._options import list_of
 from ._recede import OptionError
 from ._texts import need_mesh
 
@@ -44,12 +44,10 @@ def build_shell(mesh: Mesh, thickness: float | None = None, *, relative_thicknes
     if sum(given) != 1:
         raise OptionError("a shell needs one of thickness, relative_thickness and thicknesses")
     if relative_thickness is not None:
-        points = np.asarray(mesh.positions)
-        thickness = relative_thickness * float(np.linalg.norm(points.max(axis=0) - points.min(axis=0)))
-    settings = {"thickness": thickness or 0.0, "thicknesses": [] if thicknesses is None else [float(t) for t in thicknesses],
+        thickness = relative_thickness * mesh.diagonal
+    settings = {"thickness": thickness or 0.0, "thicknesses": list_of(thicknesses),
                 "side": side, "directors": directors, "power": power, "form": form, "step": step,
-                "border_extension": border_extension, "repair": repair,
-                "at_least_normals": at_least_normals}
+                "border_extension": border_extension, "repair": repair, "at_least_normals": at_least_normals}
     if subdivision_level is None:
         if scheme != "catmull-clark" or crease_angle is not None or interpolate_directors != 0:
             raise OptionError("scheme, crease_angle and interpolate_directors need subdivision_level")
@@ -75,4 +73,4 @@ def averaged_distance(mesh: Mesh, points: npt.ArrayLike, *, p: float = 3, form: 
     """
     settings = {"p": p, "form": form, "source": source, "expansion": expansion, "opening": opening,
                 "error": error, "support": support}
-    return _recede.averaged_distance(mesh, points, settings, progress)
+    return _recede.averaged_distance(need_mesh("averaged_distance", mesh), points, settings, progress)

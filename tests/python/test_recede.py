@@ -372,7 +372,7 @@ def test_billboards_stand_for_a_tree():
         assert cloud.centers.shape == cloud.axes_u.shape == cloud.axes_v.shape == (n, 3)
         assert cloud.half_sizes.shape == (n, 2) and cloud.places.shape == (n, 4)
         assert (cloud.errors <= cloud.error).all()
-        assert (cloud.normal_deviations <= np.radians(60.001)).all()
+        assert (cloud.normal_deviations <= 60.001).all()
         faces = sorted(face for b in range(n) for face in cloud.faces_of(b))
         assert faces == list(range(tree.n_faces))
         height, width, channels = cloud.color.shape

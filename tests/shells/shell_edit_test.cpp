@@ -315,6 +315,7 @@ TEST(ShellEdit, FindsNoPlaceInATriangleWithoutArea) {
   Shell without_area = *shell;
   without_area.base.positions = flat.positions;
   EXPECT_THROW(nearest_place(without_area, {2, 0.25, 0.5}), InputError);
+  EXPECT_THROW(nearest_place(*shell, {2, std::nan(""), 0.5}), OptionError);
 }
 
 // On a plane the maps are without stretch: a ball that moves is a ball elsewhere.
