@@ -59,6 +59,13 @@ std::string most_similar_option(const CLI::App& command, const std::string& name
   return nearest;
 }
 
+/// Of an option whose values are missing, or some of them.
+std::string needed_text(const CLI::Option& option, const std::string& name) {
+  const int wanted = option.get_type_size();
+  return fmt::format("{} needs {}: {}", name, wanted == 1 ? "a value" : fmt::format("{} values", wanted),
+                     option.get_description());
+}
+
 /// What is wrong with the arguments. CLI11 asks for a command even when there is one that it doesn't know,
 /// and lists what is left over backwards.
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
@@ -69,13 +76,22 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = *app.get_subcommands().front();
   const std::string text = error.what(), conversion = "Could not convert: ";
   if (const auto equals = text.find(" = "); text.starts_with(conversion) && equals != text.npos) {
-    return fmt::format("{}: {} isn't a number", text.substr(conversion.size(), equals - conversion.size()),
-                       text.substr(equals + 3));
+    const std::string name = text.substr(conversion.size(), equals - conversion.size());
+    const std::string values = text.substr(equals + 3), last = values.substr(values.rfind(',') + 1);
+    const CLI::Option* option = command.get_option_no_throw(name);
+    const bool is_next_option = last.starts_with('-') && command.get_option_no_throw(last) != nullptr;
+    if (option && is_next_option) return needed_text(*option, name);
+    return fmt::format("{}: {} isn't a number", name, values);
   }
   if (const std::string required = " is required"; text.ends_with(required)) {
     const std::string name = text.substr(0, text.size() - required.size());
     if (const CLI::Option* option = command.get_option_no_throw(name))
       return fmt::format("{} needs {}: {}", command.get_name(), name, option->get_description());
+  }
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch)) {
+    const std::string name = text.substr(0, text.find(':'));
+    if (text.find(" At Most ") != text.npos) return fmt::format("{} is given more than once", name);
+    if (const CLI::Option* option = command.get_option_no_throw(name)) return needed_text(*option, name);
   }
   if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError)) return text;
   const std::string first = command.remaining().front();

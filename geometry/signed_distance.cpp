@@ -86,6 +86,7 @@ SignedDistance::SignedDistance(Triangles triangles)
 
 double SignedDistance::inside_by(const Vec3& point) const {
   const ClosestPointTree::Hit hit = tree_.closest(point);
+  if (hit.triangle == k_no_index) return -std::numeric_limits<double>::infinity();
   const double distance = std::sqrt(hit.squared_distance);
   const bool is_in_front = (point - hit.point).dot(normal_at(hit.triangle, hit.point)) > 0;
   return is_in_front == (volume_ >= 0) ? -distance : distance;

@@ -20,7 +20,7 @@ class SignedDistance {
 
   /// Above 0 inside, object units. The sign is that of the angle-weighted normal of the nearest point's face,
   /// edge or vertex (Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted
-  /// pseudonormal").
+  /// pseudonormal"). Minus infinity for points whose distance, or its square, isn't finite.
   double inside_by(const Vec3& point) const;
 
   double volume() const { return std::abs(volume_); }  ///< enclosed, object units to the third

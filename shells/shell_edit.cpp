@@ -214,7 +214,6 @@ InsideDistance mesh_body(std::shared_ptr<const SignedDistance> mesh) {
 }
 
 ShellPlace nearest_place(const Shell& shell, const Vec3& point) {
-  if (!point.allFinite()) throw OptionError("a place on a shell needs finite coordinates");
   const PolygonSoup& base = shell.base;
   std::vector<Index> numbers, vertices;  // of triangles with an area, in which places have weights
   for (Index t = 0; t < base.n_faces(); ++t) {
@@ -225,6 +224,8 @@ ShellPlace nearest_place(const Shell& shell, const Vec3& point) {
   if (numbers.empty()) throw InputError("a shell without area has no nearest place");
   const ClosestPointTree tree(base.positions, vertices);
   const ClosestPointTree::Hit hit = tree.closest(point);
+  if (hit.triangle == k_no_index)
+    throw OptionError("no place of a shell is near to a point without a finite distance");
   const Triangle corners = tree.triangle(hit.triangle);
   const Vec3 first = corners.b - corners.a, second = corners.c - corners.a, off = hit.point - corners.a;
   const Vec3 normal = first.cross(second);

@@ -41,7 +41,8 @@ FilledLayer fill_once(const TexturedShell& textured, const std::optional<std::ar
 TexturedShell with_texture(const TexturedShell& textured, VolumeTexture texture);
 
 /// The place of a shell's base that is nearest to a point, at height 0; triangles without area have none.
-/// Throws `InputError` where all are such, and `OptionError` for a point that isn't finite.
+/// Throws `InputError` where all are such, and `OptionError` for a point without a finite
+/// distance.
 ShellPlace nearest_place(const Shell& shell, const Vec3& point);
 
 /// Bodies for `combine` and `cut`. Throws `OptionError` unless numbers are finite and the radius above 0.

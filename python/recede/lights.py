@@ -78,7 +78,7 @@ def _environment(light: EnvironmentLight) -> tuple[Any, ...]:
         picture = np.asarray(picture)
         if picture.ndim < 2:
             picture = np.array(_color(picture), dtype=np.float32).reshape(1, 1, 3)
-    return picture, light.rotation * pi / 180, light.scale, light.visible
+    return picture, float(light.rotation) * pi / 180, float(light.scale), light.visible
 
 
 def light_tuples(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
@@ -88,7 +88,7 @@ def light_tuples(lights: Sequence[Light]) -> dict[str, list[tuple[Any, ...]]]:
             sorted_lights["point"].append((three_numbers("position", light.position), _color(light.intensity)))
         elif isinstance(light, DirectionalLight):
             sorted_lights["directional"].append(
-                (three_numbers("toward", light.toward), _color(light.irradiance), light.angular_radius * pi / 180))
+                (three_numbers("toward", light.toward), _color(light.irradiance), float(light.angular_radius) * pi / 180))
         elif isinstance(light, AreaLight):
             sorted_lights["area"].append(
                 (three_numbers("corner", light.corner), three_numbers("first_edge", light.first_edge),

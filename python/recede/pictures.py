@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from . import _recede
 from ._options import place_or_none, three_numbers
-from ._recede import BakedMaps, BillboardCloud, Mesh, OptionError, TexturedShell
+from ._recede import Appearance, BakedMaps, BillboardCloud, BillboardReflectance, Mesh, OptionError, TexturedShell
 from .lights import Light, light_tuples
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from . import Appearance, BillboardReflectance, ImageDifference, Path, Progress
+    from . import ImageDifference, Path, Progress
 
 
 def read_image(path: Path) -> np.ndarray:
@@ -97,6 +97,10 @@ def render(surface: Mesh | BakedMaps | BillboardCloud | TexturedShell, height: n
                "subdivision_level": subdivision_level, "appearance": appearance, "representation": representation,
                "transition_distance": transition_distance, "show_methods": show_methods, "reflectance": reflectance,
                "matter_color": matter_color, "coverage": coverage}
+    if appearance is not None and not isinstance(appearance, Appearance):
+        raise TypeError(f"appearance is an Appearance, see make_appearance, not {type(appearance).__name__}")
+    if reflectance is not None and not isinstance(reflectance, BillboardReflectance):
+        raise TypeError(f"reflectance is a BillboardReflectance, see make_billboard_reflectance, not {type(reflectance).__name__}")
     if appearance is not None and height is None and not isinstance(surface, BakedMaps):
         raise TypeError("an appearance is that of heights, and there are none")
     if reflectance is not None and not isinstance(surface, BillboardCloud):

@@ -83,6 +83,8 @@ TEST(SignedDistance, KnowsTheSideBesideSharpEdgesAndPeaks) {
   const SignedDistance distance(cone);
   EXPECT_NEAR(distance.inside_by({0, 0, 20.5}), -0.5, 1e-12);
   EXPECT_NEAR(distance.inside_by({0.01, -0.02, 20.5}), -Vec3(0.01, -0.02, 0.5).norm(), 1e-12);
+  for (const double z : {1e300, std::nan("")})
+    EXPECT_EQ(distance.inside_by({0, 0, z}), -std::numeric_limits<double>::infinity());
   EXPECT_NEAR(distance.inside_by({1.5, 0, 0.001}), -std::hypot(0.5, 0.001), 1e-12);
   EXPECT_NEAR(distance.inside_by({1.5, 0, -0.001}), -std::hypot(0.5, 0.001), 1e-12);
   EXPECT_GT(distance.inside_by({0, 0, 19.9}), 0);

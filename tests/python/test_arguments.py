@@ -51,6 +51,10 @@ def test_wrong_types_are_told_by_name(ball, shell):
         recede.averaged_distance("ball.ply", [[0, 0, 2]])
     with pytest.raises(TypeError, match="VolumeTexture"):
         recede.fill_shell(shell, 3)
+    with pytest.raises(TypeError, match="make_appearance"):
+        recede.render(ball, np.zeros((2, 2)), appearance="far.appearance")
+    with pytest.raises(TypeError, match="make_billboard_reflectance"):
+        recede.render(ball, reflectance="cloud.reflectance")
 
 
 @pytest.mark.parametrize("name, call", [
@@ -77,8 +81,9 @@ def test_images_without_height_or_width_are_refused(ball):
 
 def test_matter_moves_between_finite_places(shell):
     solid = recede.fill_shell(shell, "solid", texels=32, layers=3)
-    with pytest.raises(recede.OptionError, match="finite"):
-        recede.move_matter(solid, (0, 0, float("nan")), (1, 0, 0), 0.2)
+    for z in (float("nan"), 1e300):
+        with pytest.raises(recede.OptionError, match="finite"):
+            recede.move_matter(solid, (0, 0, z), (1, 0, 0), 0.2)
 
 
 def test_colors_of_volumes_are_shares_or_bytes():
