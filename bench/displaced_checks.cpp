@@ -120,7 +120,7 @@ std::string first_hits_line(const BenchOptions& options) {
         const Ray ray{from.cast<float>(), (to - from).cast<float>()};
         RTCRayHit ours = embree_ray(ray), theirs = embree_ray(ray);
         detail::RayContext context = detail::make_ray_context();
-        rtcIntersect1(mesh.data().scene, &context.embree, &ours);
+        rtcIntersect1(mesh.data().scene.get(), &context.embree, &ours);
         rtcIntersect1(reference.scene, &context.embree, &theirs);
         if (!is_same(ours, context.small[0], theirs, numbers)) ++count;
       }

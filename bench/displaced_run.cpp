@@ -300,7 +300,7 @@ std::string memory_lines(const BenchOptions& options) {
     const DisplacedMesh mesh(surface.base, std::move(surface.map), levels);
     const std::vector<Ray> rays = camera_rays(Vec3::Zero(), 0.5);
     const double rate =
-        single_rate(mesh.data().scene, rays, options.quick ? rays.size() / 16 : rays.size(), true);
+        single_rate(mesh.data().scene.get(), rays, options.quick ? rays.size() / 16 : rays.size(), true);
     malloc_trim(0);
     const DisplacedMesh::Memory memory = mesh.memory();
     return fmt::format(

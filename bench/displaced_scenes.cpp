@@ -39,7 +39,7 @@ DisplacedScene build_ours(RTCDevice, DisplacedSurface&& surface, int level) {
   result.build_seconds = median_seconds(1, [&] {
     mesh = std::make_shared<DisplacedMesh>(surface.base, std::move(surface.map), at_level(level));
   });
-  result.scene = mesh->data().scene;
+  result.scene = mesh->data().scene.get();
   result.kept = mesh;
   return result;
 }

@@ -59,23 +59,19 @@ BillboardRays::BillboardRays(const PolygonSoup& model, const BillboardCloud& clo
     normals_.push_back((b - a).cross(c - a).stableNormalized());
   }
   const RTCDevice device = embree_device();
-  scene_ = rtcNewScene(device);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  scene_.reset(rtcNewScene(device));
+  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions_.data(), 0,
                              sizeof(positions_[0]), positions_.size());
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0,
                              3 * sizeof(Index), triangles.size() / 3);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_, geometry);
+  rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
   // The tree that several threads build depends on their number, and with it which of two equal hits counts.
-  tbb::task_arena(1).execute([this] { rtcCommitScene(scene_); });
+  tbb::task_arena(1).execute([this] { rtcCommitScene(scene_.get()); });
   throw_on_embree_error(device, "build the tree of a billboard cloud");
-}
-
-BillboardRays::~BillboardRays() {
-  if (scene_ != nullptr) rtcReleaseScene(scene_);
 }
 
 std::optional<BillboardSample> BillboardRays::sample(std::size_t number, const Vec2& at) const {
@@ -113,7 +109,7 @@ std::optional<BillboardSample> BillboardRays::sample_towards(std::size_t number,
   ray.ray.tfar = static_cast<float>(2 * reach);
   ray.ray.mask = 0xffffffffu;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_, &choice.embree, &ray);
+  rtcIntersect1(scene_.get(), &choice.embree, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const double u = static_cast<double>(ray.hit.u), v = static_cast<double>(ray.hit.v);
   const TrianglePlace hit{ray.hit.primID, Vec3(1 - u - v, u, v)};

@@ -322,22 +322,18 @@ DisplacedMesh::Data::Data(const PolygonSoup& base, DisplacementMap heights,
 
 void DisplacedMesh::Data::build_scene() {
   const RTCDevice device = detail::embree_device();
-  scene = rtcNewScene(device);
-  detail::save_memory(scene, RTC_SCENE_FLAG_ROBUST, *this);
+  scene.reset(rtcNewScene(device));
+  detail::save_memory(scene.get(), RTC_SCENE_FLAG_ROBUST, *this);
   const RTCGeometry geometry = detail::displaced_geometry(device, *this);
-  rtcAttachGeometry(scene, geometry);
+  rtcAttachGeometry(scene.get(), geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
+  rtcCommitScene(scene.get());
   detail::throw_on_embree_error(device, "build a displaced surface");
 }
 
 double DisplacedMesh::Data::height_span() const {
   const HeightRange range = range_of(*bounds);
   return (range.max - range.min) * frame.scale;
-}
-
-DisplacedMesh::Data::~Data() {
-  if (scene != nullptr) rtcReleaseScene(scene);
 }
 
 void DisplacedMesh::Data::take_map(DisplacementMap heights) {
@@ -353,9 +349,9 @@ void DisplacedMesh::Data::take_map(DisplacementMap heights) {
     }
   }
   view = view_of(*bounds, frame.scale);
-  const RTCGeometry geometry = rtcGetGeometry(scene, 0);
+  const RTCGeometry geometry = rtcGetGeometry(scene.get(), 0);
   rtcCommitGeometry(geometry);
-  rtcCommitScene(scene);
+  rtcCommitScene(scene.get());
   detail::throw_on_embree_error(detail::embree_device(), "build a displaced surface");
 }
 
@@ -436,7 +432,7 @@ std::optional<DisplacedMesh::Hit> DisplacedMesh::first_hit(const Vec3& origin, c
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RayContext context = detail::make_ray_context();
   context.fraction = static_cast<float>(options.fraction);
-  rtcIntersect1(data_->scene, &context.embree, &ray);
+  rtcIntersect1(data_->scene.get(), &context.embree, &ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const std::uint32_t part = ray.hit.primID, small = context.small[0];
   const Data::BasePlace place =
@@ -459,7 +455,7 @@ bool DisplacedMesh::is_hit(const Vec3& origin, const Vec3& direction,
   if (!data_->set_ray(origin, direction, options, ray, scale)) return false;
   RayContext context = detail::make_ray_context();
   context.fraction = static_cast<float>(options.fraction);
-  rtcOccluded1(data_->scene, &context.embree, &ray);
+  rtcOccluded1(data_->scene.get(), &context.embree, &ray);
   return ray.tfar < 0;
 }
 

@@ -178,9 +178,10 @@ RTCGeometry geometry_of(RTCDevice device, const SceneData& data, const MeshData&
 }
 
 /// Embree numbers geometries in the order of the meshes.
-RTCScene embree_scene(const SceneData& data, SurfaceShape shape) {
+detail::OwnedScene embree_scene(const SceneData& data, SurfaceShape shape) {
   const RTCDevice device = embree_device();
-  const RTCScene scene = rtcNewScene(device);
+  detail::OwnedScene owned(rtcNewScene(device));
+  const RTCScene scene = owned.get();
   throw_on_embree_error(device, "make a scene");
   // Rays that leave a surface carry a filter, see tracing.cpp.
   const RTCSceneFlags flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
@@ -199,7 +200,7 @@ RTCScene embree_scene(const SceneData& data, SurfaceShape shape) {
   // their common edge hits. One thread builds 2 million triangles a second, which is enough here.
   tbb::task_arena(1).execute([scene] { rtcCommitScene(scene); });
   throw_on_embree_error(device, "build the tree");
-  return scene;
+  return owned;
 }
 
 void build_embree_scenes(SceneData& data) {
@@ -250,19 +251,6 @@ Box3 displaced_box(const DisplacedMesh::Data& surface) {
 }
 
 }  // namespace
-
-namespace detail {
-
-AppearanceScenes::~AppearanceScenes() {
-  if (base != nullptr) rtcReleaseScene(base);
-  if (envelope != nullptr) rtcReleaseScene(envelope);
-}
-
-SceneData::~SceneData() {
-  if (scene != nullptr) rtcReleaseScene(scene);
-}
-
-}  // namespace detail
 
 void Scene::build(std::span<const PolygonSoup> soups, std::span<const PlacedBillboards> billboards,
                   std::span<const PlacedVolume> volumes, const SceneOptions& options) {

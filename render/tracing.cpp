@@ -24,8 +24,9 @@ RayContext context_of(const Ray& ray) {
 }
 
 RTCScene scene_for(const SceneData& scene, const RayTarget& target) {
-  if (scene.appearances == nullptr || target.shape == SurfaceShape::displaced) return scene.scene;
-  return target.shape == SurfaceShape::base ? scene.appearances->base : scene.appearances->envelope;
+  if (scene.appearances == nullptr || target.shape == SurfaceShape::displaced) return scene.scene.get();
+  const bool is_base = target.shape == SurfaceShape::base;
+  return (is_base ? scene.appearances->base : scene.appearances->envelope).get();
 }
 
 RTCRay embree_ray(const Ray& ray) {

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <recede/lod/billboard_cloud.h>
+#include <recede/lod/detail/embree_device.h>
 #include <recede/lod/detail/surface_attributes.h>
-
-#include <embree3/rtcore.h>
 
 #include <array>
 #include <optional>
@@ -25,7 +24,6 @@ class BillboardRays {
  public:
   /// Keeps references. Textures of the model are averaged over `spacing`, that of rays, object units.
   BillboardRays(const PolygonSoup& model, const BillboardCloud& cloud, double spacing = 0);
-  ~BillboardRays();
   BillboardRays(const BillboardRays&) = delete;
   BillboardRays& operator=(const BillboardRays&) = delete;
 
@@ -46,7 +44,7 @@ class BillboardRays {
   std::vector<Index> billboard_of_;  // triangle
   std::vector<Vec3> normals_;        // of triangles
   std::vector<std::array<float, 4>> positions_;
-  RTCScene scene_ = nullptr;
+  OwnedScene scene_;
   Vec3 center_ = Vec3::Zero();
   double scale_ = 1;
 };

@@ -1,6 +1,7 @@
 // The inside of a DisplacedMesh, for the renderer only.
 #pragma once
 
+#include <recede/lod/detail/embree_device.h>
 #include <recede/render/detail/displaced_patches.h>
 #include <recede/render/detail/ray_context.h>
 #include <recede/render/displaced_mesh.h>
@@ -9,7 +10,6 @@ namespace recede {
 
 struct DisplacedMesh::Data {
   Data(const PolygonSoup& base, DisplacementMap heights, const DisplacedMeshOptions& options);
-  ~Data();
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
 
@@ -52,7 +52,7 @@ struct DisplacedMesh::Data {
   detail::DisplacedPatches patches;
   bool partial = false;
   detail::HeightMapView view;
-  RTCScene scene = nullptr;  ///< null until `build_scene`
+  detail::OwnedScene scene;  ///< null until `build_scene`
 };
 
 namespace detail {

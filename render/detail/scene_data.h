@@ -2,9 +2,8 @@
 #pragma once
 
 #include <recede/geometry/texture.h>
+#include <recede/lod/detail/embree_device.h>
 #include <recede/render/image.h>
-
-#include <embree3/rtcore.h>
 
 #include <array>
 #include <cstdint>
@@ -57,12 +56,6 @@ struct MeshData {
 
 /// Scenes with the base of a displaced surface in place of it, and with what holds all heights.
 struct AppearanceScenes {
-  AppearanceScenes() = default;
-  ~AppearanceScenes();
-  AppearanceScenes(const AppearanceScenes&) = delete;
-  AppearanceScenes& operator=(const AppearanceScenes&) = delete;
-
-  RTCScene base = nullptr, envelope = nullptr;
   /// The envelope: the base at its largest height, triangle by triangle, and then strips down from its
   /// borders to the least height, two triangles for each side.
   std::vector<std::array<float, 4>> envelope_positions;
@@ -74,18 +67,18 @@ struct AppearanceScenes {
     const std::size_t faces = envelope_triangles.size() - strip_owners.size();
     return triangle < faces ? triangle : strip_owners[triangle - faces];
   }
+
+  OwnedScene base, envelope;  // released before the lists that they refer to
 };
 
 /// Lengths and places are those of the scaled scene, whose models fill the unit box: (object - center) *
 /// scale.
 struct SceneData {
   SceneData() = default;
-  ~SceneData();
   SceneData(const SceneData&) = delete;
   SceneData& operator=(const SceneData&) = delete;
 
-  RTCScene scene = nullptr;
-  /// The same with other shapes of a displaced surface; null where it has no appearances.
+  /// Scenes with other shapes of a displaced surface; null where it has no appearances.
   std::unique_ptr<AppearanceScenes> appearances;
   std::vector<MeshData> meshes;  ///< by Embree's number of the geometry
 
@@ -94,6 +87,8 @@ struct SceneData {
   double radius = 0;  ///< of a sphere around the origin that holds all positions
 
   Vec3 scaled(const Vec3& object) const { return (object - center) * scale; }
+
+  OwnedScene scene;  // released before what it refers to
 };
 
 }  // namespace recede::detail
