@@ -1,4 +1,5 @@
 // The part of the report that shows the levels in three dimensions.
+#include <recede/geometry/detail/base64.h>
 #include <recede/render/camera.h>
 #include <recede/render/detail/markup.h>
 #include <recede/render/detail/report_content.h>
@@ -66,7 +67,10 @@ or + and - to zoom; 0 resets. True size: the pixels that the view of the switch 
 
 // Why a level isn't in the viewer; empty: it is.
 std::string left_out_because(const LodLevel& level, std::size_t triangles, std::size_t limit) {
-  if (level.billboards) return "billboards, and the viewer shows triangles only";
+  constexpr std::size_t k_most_texels = std::size_t{1} << 22;  // some 10 MB in the page
+  if (level.billboards && level.billboards->is_impostor) return "an impostor";
+  if (level.billboards && level.billboards->bytes() / 8 > k_most_texels)
+    return fmt::format("textures of more than {} texels", grouped(k_most_texels));
   if (triangles == 0) return "no triangles";
   if (triangles > limit) return fmt::format("{} triangles, more than {}", grouped(triangles), grouped(limit));
   return "";
@@ -89,6 +93,8 @@ Json level_fields(const ReportContent& content, std::size_t index) {
                  {"vertices", packed.vertices},
                  {"largest_distance", packed.largest_distance},
                  {"data", packed.data}});
+  if (packed.billboards > 0)
+    fields.update({{"billboards", packed.billboards}, {"color", packed.color}, {"normal", packed.normal}});
   return fields;
 }
 
@@ -96,6 +102,7 @@ Json level_fields(const ReportContent& content, std::size_t index) {
 std::string data_for_script(const ReportContent& content) {
   const LodHierarchy& hierarchy = content.hierarchy;
   Json data{{"box", {as_list(content.viewer.box.min()), as_list(content.viewer.box.max())}},
+            {"seen", {as_list(content.viewer.seen.min()), as_list(content.viewer.seen.max())}},
             {"center", as_list(hierarchy.center)},
             {"radius", hierarchy.radius},
             {"diagonal", content.diagonal},
@@ -108,6 +115,22 @@ std::string data_for_script(const ReportContent& content) {
   for (std::size_t i = 0; i < hierarchy.levels.size(); ++i)
     data["levels"].push_back(level_fields(content, i));
   return data.dump();
+}
+
+ViewerLevel pack_level(const LodLevel& level, const Box3& box, const ClosestPointTree& input) {
+  ViewerLevel packed;
+  const ViewerMesh mesh = viewer_mesh(level.billboards ? quads_of(*level.billboards) : to_soup(level.mesh),
+                                      box, input, level.billboards.has_value());
+  packed.triangles = mesh.indices.size() / 3;
+  packed.vertices = mesh.distances.size();
+  packed.largest_distance = mesh.largest_distance;
+  packed.data = pack(mesh);
+  if (level.billboards) {
+    packed.billboards = level.billboards->billboards.size();
+    packed.color = encode_base64(encode_png(level.billboards->color));
+    packed.normal = encode_base64(encode_png(level.billboards->normal));
+  }
+  return packed;
 }
 
 std::string left_out_line(const std::vector<ViewerLevel>& levels) {
@@ -135,21 +158,20 @@ ViewerContent pack_levels(const LodHierarchy& hierarchy, std::size_t limit, Prog
     packed.left_out = left_out_because(level, packed.triangles, limit);
     if (!packed.left_out.empty()) continue;
     any = true;
-    for (const auto vertex : level.mesh.vertices()) content.box.extend(level.mesh.point(vertex));
+    for (const auto vertex : level.mesh.vertices()) {
+      content.box.extend(level.mesh.point(vertex));
+      if (!level.billboards) content.seen.extend(level.mesh.point(vertex));
+    }
   }
   if (!any) return content;
+  if (content.seen.isEmpty()) content.seen = content.box;
   const PolygonSoup input = to_soup(hierarchy.levels[0].mesh);
   const ClosestPointTree tree(input.positions, triangulate(input));
   for (std::size_t i = 0; i < count; ++i) {
     report_progress(progress, "pack levels", static_cast<double>(i) / static_cast<double>(count));
     ViewerLevel& packed = content.levels[i];
     if (!packed.left_out.empty()) continue;
-    const ViewerMesh mesh =
-        viewer_mesh(i == 0 ? input : to_soup(hierarchy.levels[i].mesh), content.box, tree);
-    packed.triangles = mesh.indices.size() / 3;
-    packed.vertices = mesh.distances.size();
-    packed.largest_distance = mesh.largest_distance;
-    packed.data = pack(mesh);
+    packed = pack_level(hierarchy.levels[i], content.box, tree);
   }
   return content;
 }

@@ -28,6 +28,7 @@ Number share_of(double value, double whole) {
 struct Look {
   std::array<std::uint16_t, 2> normal;
   std::array<std::uint8_t, 3> color;
+  std::array<std::uint16_t, 2> uv{};
   bool operator==(const Look&) const = default;
 };
 
@@ -143,7 +144,8 @@ class CornerColors {
 
 }  // namespace
 
-ViewerMesh viewer_mesh(const PolygonSoup& level, const Box3& box, const ClosestPointTree& input) {
+ViewerMesh viewer_mesh(const PolygonSoup& level, const Box3& box, const ClosestPointTree& input,
+                       bool with_uvs) {
   ViewerMesh mesh;
   std::vector<Index> faces, corners;
   triangulate(level, &faces, &corners);
@@ -153,7 +155,11 @@ ViewerMesh viewer_mesh(const PolygonSoup& level, const Box3& box, const ClosestP
   mesh.indices.reserve(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Index point = level.corner_vertices[corners[i]];
-    const Look look{octahedral(normals[corners[i]]), bytes_of(colors.at(faces[i / 3], corners[i]))};
+    Look look{octahedral(normals[corners[i]]), bytes_of(colors.at(faces[i / 3], corners[i]))};
+    if (with_uvs) {
+      for (std::size_t k = 0; k < 2; ++k)
+        look.uv[k] = share_of<std::uint16_t>(level.corner_uvs[corners[i]][static_cast<Eigen::Index>(k)], 1);
+    }
     mesh.indices.push_back(vertices.find_or_add(point, look));
   }
 
@@ -169,7 +175,10 @@ ViewerMesh viewer_mesh(const PolygonSoup& level, const Box3& box, const ClosestP
       mesh.positions[k].push_back(share_of<std::uint16_t>(place[axis], sides[axis]));
       mesh.colors[k].push_back(vertices.looks[i].color[k]);
     }
-    for (std::size_t k = 0; k < 2; ++k) mesh.normals[k].push_back(vertices.looks[i].normal[k]);
+    for (std::size_t k = 0; k < 2; ++k) {
+      mesh.normals[k].push_back(vertices.looks[i].normal[k]);
+      if (with_uvs) mesh.uvs[k].push_back(vertices.looks[i].uv[k]);
+    }
     mesh.distances.push_back(share_of<std::uint16_t>(distances[i], mesh.largest_distance));
   }
   return mesh;
@@ -181,6 +190,7 @@ std::string pack(const ViewerMesh& mesh) {
   append(mesh.distances, bytes);
   for (const auto& list : mesh.normals) append(list, bytes);
   for (const auto& list : mesh.colors) append(list, bytes);
+  for (const auto& list : mesh.uvs) append(list, bytes);
   append(mesh.indices, bytes);
   return encode_base64(compressed(bytes));
 }

@@ -47,11 +47,14 @@ struct ViewerLevel {
   std::size_t triangles = 0, vertices = 0;
   double largest_distance = 0;  ///< of a vertex to the input, object units
   std::string data;             ///< see `pack`; empty: the viewer doesn't show this level
-  std::string left_out;         ///< why it doesn't
+  std::size_t billboards = 0;   ///< which it is made of, with these PNG files in base64:
+  std::string color, normal;
+  std::string left_out;  ///< why it doesn't
 };
 
 struct ViewerContent {
-  Box3 box;  ///< of all levels that are shown
+  Box3 box;   ///< of all levels that are shown
+  Box3 seen;  ///< without the empty corners of billboards, unless there is nothing else
   std::vector<ViewerLevel> levels;
 };
 

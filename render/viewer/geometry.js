@@ -1,5 +1,5 @@
 // Levels as the report's page holds them (render/detail/viewer_mesh.h), made ready for drawing.
-import { BufferAttribute, BufferGeometry, Color } from "three";
+import { BufferAttribute, BufferGeometry, Color, LinearFilter, SRGBColorSpace, Texture } from "three";
 
 export async function inflate(text) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
@@ -28,6 +28,7 @@ export async function unpack(level, model) {
   const distances = read(n, Uint16Array);
   const square = [0, 1].map(() => read(n, Uint16Array));
   const colors = [0, 1, 2].map(() => read(n, Uint8Array));
+  const uvs = level.billboards ? [0, 1].map(() => read(n, Uint16Array)) : [];
   const corners = read(3 * level.triangles, Uint32Array);
 
   const positions = new Float32Array(3 * n), normals = new Float32Array(3 * n), base = new Float32Array(3 * n);
@@ -51,8 +52,26 @@ export async function unpack(level, model) {
   geometry.setAttribute("position", new BufferAttribute(positions, 3));
   geometry.setAttribute("normal", new BufferAttribute(normals, 3));
   geometry.setAttribute("color", new BufferAttribute(base, 3));
+  if (level.billboards)
+    geometry.setAttribute("uv", new BufferAttribute(Uint16Array.from({ length: 2 * n }, (_, i) => uvs[i % 2][i >> 1]), 2, true));
   geometry.setIndex(new BufferAttribute(n > 65535 ? corners : Uint16Array.from(corners), 1));
   return { geometry, distances, base: geometry.getAttribute("color") };
+}
+
+// A picture of the page, without smaller versions, in which what is covered by halves would vanish.
+export async function texture(png, colorSpace) {
+  const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
+  const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }),
+    { imageOrientation: "flipY", premultiplyAlpha: "none", colorSpaceConversion: "none" });
+  const made = new Texture(image);
+  Object.assign(made, { flipY: false, generateMipmaps: false, minFilter: LinearFilter, needsUpdate: true });
+  if (colorSpace) made.colorSpace = colorSpace;
+  return made;
+}
+
+export async function texturesOf(level) {
+  const [map, normalMap] = await Promise.all([texture(level.color, SRGBColorSpace), texture(level.normal)]);
+  return { map, normalMap };
 }
 
 // From nothing to most, of steadily falling lightness, so that shading shows where there is no error.

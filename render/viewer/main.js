@@ -1,7 +1,7 @@
 // The report's viewer: the levels of a hierarchy as they are, or as an engine would choose them.
 import { DirectionalLight, Group, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial, DoubleSide, Quaternion, Scene,
   Vector3, WebGLRenderer } from "three";
-import { errorAttribute, errorColors, unpack } from "./geometry.js";
+import { errorAttribute, errorColors, texturesOf, unpack } from "./geometry.js";
 import { Orbit } from "./orbit.js";
 import { grouped, short } from "./numbers.js";
 
@@ -26,8 +26,8 @@ function start() {
   const scene = new Scene(), body = new Group(), lamp = new DirectionalLight(0xffffff, 1.9);
   const up = new Vector3(...model.up).normalize();
   body.quaternion.copy(new Quaternion().setFromUnitVectors(up, new Vector3(0, 1, 0)));
-  const surface = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, polygonOffsetFactor: 1,
-    polygonOffsetUnits: 1 });
+  const under_lines = { side: DoubleSide, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
+  const surface = new MeshLambertMaterial({ vertexColors: true, ...under_lines });
   // By normals, not by sides: single pixels of back faces at silhouettes would be dark.
   surface.onBeforeCompile = (shader) => {
     shader.fragmentShader = shader.fragmentShader.replace("#include <normal_fragment_begin>", `
@@ -39,7 +39,7 @@ function start() {
   scene.add(body, lamp, lamp.target, new HemisphereLight(0xf4f7ff, 0x8a8378, 1.2));
   const from = new Vector3(...model.from).applyQuaternion(body.quaternion);
   const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => new Vector3(...[0, 1, 2].map((k) =>
-    (model.box[i >> k & 1][k] - model.center[k]) / model.radius)).applyQuaternion(body.quaternion));
+    (model.seen[i >> k & 1][k] - model.center[k]) / model.radius)).applyQuaternion(body.quaternion));
   const orbit = new Orbit(canvas, from, corners, request, (factor) => {
     if (!$("size").checked) return false;
     distance.value = distance.valueAsNumber - Math.log10(factor);
@@ -47,13 +47,17 @@ function start() {
     return true;
   });
 
+  // Where less than half of a texel is covered there is nothing.
+  const look = async (level) => level.billboards ? new MeshLambertMaterial({ alphaTest: 0.5, ...under_lines,
+    ...await texturesOf(level) }) : surface;
+
   const meshes = new Map();
   // The level's surface and lines, unpacked when it is seen for the first time.
   function load(level) {
     if (!meshes.has(level)) {
-      meshes.set(level, unpack(level, model).then((parts) => {
+      meshes.set(level, Promise.all([unpack(level, model), look(level)]).then(([parts, material]) => {
         const group = new Group();
-        group.add(new Mesh(parts.geometry, surface), new Mesh(parts.geometry, lines));
+        group.add(new Mesh(parts.geometry, material), new Mesh(parts.geometry, lines));
         group.visible = false;
         body.add(group);
         return { ...parts, group };
@@ -67,7 +71,8 @@ function start() {
       half: Math.tan(model.field_of_view / 2) * height * renderer.getPixelRatio() / model.image_height };
     orbit.set(width, height, real);
     mesh.group.visible = true;
-    mesh.group.children[1].visible = surface.polygonOffset = $("wireframe").checked;
+    const [faces, edges] = mesh.group.children;
+    edges.visible = faces.material.polygonOffset = $("wireframe").checked;
     lines.opacity = Math.min(0.5, 50 / Math.sqrt(mesh.geometry.index.count / 3));  // dense ones don't hide the surface
     if ($("error").checked) mesh.error ??= errorAttribute(mesh.distances);
     mesh.geometry.setAttribute("color", $("error").checked ? mesh.error : mesh.base);
@@ -103,7 +108,8 @@ function start() {
 
   const units = () => 10 ** distance.valueAsNumber;
   const chosen = () => model.levels.findLast((level) => level.switch_distance <= units()) ?? model.levels[0];
-  const title = (level) => `Level ${level.level}: ${grouped(level.triangles)} triangles`;
+  const title = (level) => `Level ${level.level}: `
+    + (level.billboards ? `${grouped(level.billboards)} billboards` : `${grouped(level.triangles)} triangles`);
 
   async function update() {
     const mine = ++turn;
@@ -125,8 +131,8 @@ function start() {
     $("below").hidden = !reference;
     $("frame").classList.toggle("beside", Boolean(reference));
     $("legend").hidden = !$("error").checked;
-    $("most").textContent = `${short(level.largest_distance)} object units`
-      + ` (${short(100 * level.largest_distance / model.diagonal)} % of the diagonal)`;
+    $("most").textContent = level.billboards ? "billboards show their colours"
+      : `${short(level.largest_distance)} object units (${short(100 * level.largest_distance / model.diagonal)} % of the diagonal)`;
     const ready = await Promise.all([level, reference].filter(Boolean).map(load));
     if (mine !== turn) return;
     shown = ready;

@@ -37,9 +37,10 @@ bool has_program(const std::string& name) {
   return std::system(fmt::format("command -v {} >/dev/null 2>&1", name).c_str()) == 0;
 }
 
-/// Bakes the teapot's levels into `out` below the folder; returns the page's address.
-std::string bake_teapot(const test::TempFolder& folder, const std::vector<std::string>& more) {
-  std::vector<std::string> arguments{"bake", "teapot", "-o", folder / "out"};
+/// Bakes levels of a model into `out` below the folder; returns the page's address.
+std::string bake(const test::TempFolder& folder, const std::string& model,
+                 const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"bake", model, "-o", folder / "out"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   EXPECT_EQ(test::run_recede(arguments).code, 0);
   return fmt::format("file://{}", (folder / "out/report.html").string());
@@ -52,7 +53,7 @@ bool has_viewer(const test::TempFolder& folder) {
 TEST(ReportInABrowser, ShowsEveryLevel) {
   if (!has_program("chromium")) GTEST_SKIP() << "chromium isn't installed";
   const test::TempFolder folder;
-  const std::string page = fmt::format("'{}'", bake_teapot(folder, {"--ratios", "0.1", "0.01"}));
+  const std::string page = fmt::format("'{}'", bake(folder, "teapot", {"--ratios", "0.1", "0.01"}));
   const std::string dom = folder / "dom.html", picture = folder / "report.png";
   ASSERT_EQ(browse(folder, "--dump-dom " + page + " > '" + dom + "'"), 0);
   const std::string text = read_whole_file(dom);
@@ -68,8 +69,9 @@ TEST(ReportInABrowser, ShowsEveryLevel) {
 TEST(ReportInABrowser, GoesThroughTheLevelsByKeysAndListsThemAllWithoutScripts) {
   if (!has_program("chromium") || !has_program("node")) GTEST_SKIP() << "needs chromium and node";
   const test::TempFolder folder;
-  const std::string page = bake_teapot(
-      folder, {"--ratios", "0.5", "0.1", "0.01", "--maps", "normal,displacement", "--map-size", "256"});
+  const std::string page =
+      bake(folder, "teapot",
+           {"--ratios", "0.5", "0.1", "0.01", "--maps", "normal,displacement", "--map-size", "256"});
   const std::string answer = folder / "answer.json";
   const std::string command = fmt::format("node '{}' '{}' '{}' > '{}'", RECEDE_USE_REPORT, page,
                                           (folder / "profile").string(), answer);
@@ -125,16 +127,21 @@ double model_share(const Image& picture, double from = 0, double to = 1) {
   return static_cast<double>(count) / (static_cast<double>(last - first) * picture.height);
 }
 
-TEST(ReportInABrowser, TheViewerShowsLevelsAsTheyAreAndAsDistancesChooseThem) {
-  if (!has_program("chromium") || !has_program("node")) GTEST_SKIP() << "needs chromium and node";
-  const test::TempFolder folder;
-  const std::string page = bake_teapot(folder, {"--ratios", "0.1", "0.01"});
-  if (!has_viewer(folder)) GTEST_SKIP() << "built without the viewer";
+/// What the viewer shows at each step, see use_viewer.cjs; pictures of the steps are in the folder.
+nlohmann::json use_viewer(const test::TempFolder& folder, const std::string& page) {
   const std::string answer = folder / "answer.json";
   const std::string command = fmt::format("node '{}' '{}' '{}' '{}' > '{}'", RECEDE_USE_VIEWER, page,
                                           (folder / "profile").string(), folder.path().string(), answer);
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  const nlohmann::json found = nlohmann::json::parse(read_whole_file(answer));
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  return nlohmann::json::parse(read_whole_file(answer));
+}
+
+TEST(ReportInABrowser, TheViewerShowsLevelsAsTheyAreAndAsDistancesChooseThem) {
+  if (!has_program("chromium") || !has_program("node")) GTEST_SKIP() << "needs chromium and node";
+  const test::TempFolder folder;
+  const std::string page = bake(folder, "teapot", {"--ratios", "0.1", "0.01"});
+  if (!has_viewer(folder)) GTEST_SKIP() << "built without the viewer";
+  const nlohmann::json found = use_viewer(folder, page);
   EXPECT_THAT(found.at("errors"), IsEmpty());
   EXPECT_THAT(found.at("requests"), IsEmpty());
   const auto& steps = found.at("steps");
@@ -211,6 +218,24 @@ TEST(ReportInABrowser, TheViewerShowsLevelsAsTheyAreAndAsDistancesChooseThem) {
                   detail::short_number(levels[2].at("error").at("rms").get<double>()));
   EXPECT_THAT(plots.at("end"), ElementsAre(last));
   EXPECT_EQ(plots.at("spoken"), last);
+}
+
+TEST(ReportInABrowser, TheViewerShowsBillboardsAsTheModelLooks) {
+  if (!has_program("chromium") || !has_program("node")) GTEST_SKIP() << "needs chromium and node";
+  const test::TempFolder folder;
+  const std::string page = bake(folder, "tree", {"--ratios", "0.3"});
+  if (!has_viewer(folder)) GTEST_SKIP() << "built without the viewer";
+  const nlohmann::json found = use_viewer(folder, page);
+  EXPECT_THAT(found.at("errors"), IsEmpty());
+  EXPECT_THAT(found.at("requests"), IsEmpty());
+  const auto& steps = found.at("steps");
+  EXPECT_THAT(steps.at("level-1").at("shown").get<std::string>(), HasSubstr(" billboards"));
+  EXPECT_EQ(steps.at("error").at("most"), "billboards show their colours");
+  const auto picture = [&](const std::string& step) { return read_image(folder / (step + ".png")); };
+  const double tree = model_share(picture("level-0")), billboards = model_share(picture("level-1"));
+  // Measured 0.91, and 1.94 where whole rectangles are drawn; FLIP 0.051 and 0.128.
+  EXPECT_NEAR(billboards / tree, 1, 0.2) << tree;
+  EXPECT_LT(compute_flip(picture("level-0"), picture("level-1")).mean, 0.06);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "markup_check.h"
 #include "shapes.h"
 #include <recede/geometry/atomic_file.h>
+#include <recede/geometry/detail/base64.h>
 #include <recede/geometry/error.h>
 #include <recede/render/detail/report_content.h>
 #include <recede/render/detail/viewer_program.h>
@@ -241,14 +242,28 @@ TEST_F(Report, SaysWhyLevelsAreNotInTheViewer) {
   }
 }
 
-TEST_F(Report, BillboardsAreNotInTheViewer) {
+TEST_F(Report, TheViewerHasBillboardsWithTheirTextures) {
   if (detail::viewer_program().empty()) GTEST_SKIP() << "built without the viewer";
   LodHierarchy hierarchy = sphere_levels("ball");
-  hierarchy.levels[3].billboards.emplace();
-  const auto levels = detail::pack_levels(hierarchy, 200'000, nullptr).levels;
-  EXPECT_EQ(levels[2].left_out, "");
-  EXPECT_EQ(levels[3].left_out, "billboards, and the viewer shows triangles only");
-  EXPECT_EQ(levels[3].data, "");
+  const PolygonSoup ball = to_soup(hierarchy.levels[0].mesh);
+  LodLevel& level = hierarchy.levels[3];
+  level.billboards = texture_billboards(ball, build_billboard_clouds(ball, {.errors = {0.2}}).front());
+  level.mesh = to_polygon_mesh(quads_of(*level.billboards));
+  const detail::ViewerContent viewer = detail::pack_levels(hierarchy, 200'000, nullptr);
+  EXPECT_EQ(viewer.levels[2].billboards, 0u);
+  const detail::ViewerLevel& shown = viewer.levels[3];
+  EXPECT_EQ(shown.left_out, "");
+  EXPECT_EQ(shown.billboards, level.billboards->billboards.size());
+  EXPECT_EQ(shown.triangles, 2 * shown.billboards);
+  const Raster color = decode_png(detail::decode_base64(shown.color).value(), "color"),
+               normal = decode_png(detail::decode_base64(shown.normal).value(), "normal");
+  EXPECT_EQ(color.samples, level.billboards->color.samples);
+  EXPECT_EQ(normal.samples, level.billboards->normal.samples);
+  // Corners of rectangles stick out where nothing is drawn.
+  EXPECT_GT(viewer.box.sizes().x(), viewer.seen.sizes().x());
+  EXPECT_NEAR(viewer.seen.sizes().x(), 2, 1e-12);
+  level.billboards->is_impostor = true;
+  EXPECT_EQ(detail::pack_levels(hierarchy, 200'000, nullptr).levels[3].left_out, "an impostor");
 }
 
 TEST_F(Report, WithoutTrianglesThereIsNoViewer) {

@@ -144,6 +144,30 @@ TEST(ViewerMesh, ColoursAreThoseOfMaterialsTimesThoseOfVertices) {
   EXPECT_THAT(color(35), testing::ElementsAre(188, 188, 188));
 }
 
+TEST(ViewerMesh, TextureCoordinatesAreKeptWhereTheyAreWanted) {
+  PolygonSoup square;
+  square.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  square.add_face(std::array<Index, 4>{0, 1, 2, 3});
+  square.corner_uvs = {{0, 0.25}, {1, 0.25}, {1, 0.75}, {0, 0.75}};
+  EXPECT_TRUE(viewer_mesh(square, bounding_box(square), tree_of(square)).uvs[0].empty());
+  const ViewerMesh made = viewer_mesh(square, bounding_box(square), tree_of(square), true);
+  Unpacked unpacked(detail::pack(made));
+  const std::size_t vertices = made.distances.size();
+  for (int list = 0; list < 6; ++list) unpacked.read<std::uint16_t>(vertices);
+  for (int list = 0; list < 3; ++list) unpacked.read<std::uint8_t>(vertices);
+  const auto u = unpacked.read<std::uint16_t>(vertices), v = unpacked.read<std::uint16_t>(vertices);
+  const auto indices = unpacked.read<Index>(made.indices.size());
+  EXPECT_TRUE(unpacked.at_end());
+  std::vector<Index> corners;
+  triangulate(square, nullptr, &corners);
+  ASSERT_EQ(indices.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    // 0.25 isn't a step of 16 bits.
+    EXPECT_NEAR(u[indices[i]] / 65535.0, square.corner_uvs[corners[i]].x(), 0.5 / 65535);
+    EXPECT_NEAR(v[indices[i]] / 65535.0, square.corner_uvs[corners[i]].y(), 0.5 / 65535);
+  }
+}
+
 TEST(ViewerMesh, AFlatModelHasNoStepsAlongItsNormal) {
   PolygonSoup square;
   square.positions = {{0, 0, 5}, {1, 0, 5}, {1, 1, 5}, {0, 1, 5}};
