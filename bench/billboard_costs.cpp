@@ -1,10 +1,10 @@
 // What clouds cost: seconds and memory of growing models, and pictures for as many bytes.
 #include "billboard_models.h"
 #include "billboard_run.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
 #include "plot_sheet.h"
+#include "work_timer.h"
 #include <recede/geometry/sample_models.h>
 #include <recede/lod/octahedral_impostor.h>
 #include <recede/render/far_level.h>
@@ -36,11 +36,11 @@ CostFigures measure_cost(const PolygonSoup& model, bool is_two_sided, std::size_
   options.is_two_sided = is_two_sided;
   std::vector<double> clustering, texturing, processor;
   for (std::size_t i = 0; i < repeats; ++i) {
-    const CadTimer timer;
+    const WorkTimer timer;
     const std::vector<BillboardCloud> clouds = build_billboard_clouds(model, options);
     clustering.push_back(timer.wall());
     processor.push_back(timer.cpu());
-    const CadTimer of_textures;
+    const WorkTimer of_textures;
     texture_billboards(model, clouds[1]);
     texturing.push_back(of_textures.wall());
     figures.billboards = clouds[1].billboards.size();

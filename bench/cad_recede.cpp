@@ -1,7 +1,7 @@
 #include "cad_search.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "work_timer.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/seam_model.h>
@@ -105,7 +105,7 @@ std::vector<CadBodyMesh> uncollapsed_meshes_of(const CadSubject& subject, const 
 /// Medians of both clocks.
 struct Clocks {
   std::vector<double> cpu, wall;
-  void add(const CadTimer& timer) {
+  void add(const WorkTimer& timer) {
     cpu.push_back(timer.cpu());
     wall.push_back(timer.wall());
   }
@@ -117,12 +117,12 @@ void split_preparation(const CadSubject& subject, const CadRunOptions& options, 
                        CadFigures& figures) {
   for (const CadBench& body : subject.bodies) {
     const CadPart& part = subject.model.parts[body.part];
-    const CadTimer surfaces_timer;
+    const WorkTimer surfaces_timer;
     const std::vector<PatchSurface> surfaces =
         prepare_surfaces(part.patches, k_bounds_share * options.deflection);
     figures.surfaces.cpu += surfaces_timer.cpu();
     figures.surfaces.wall += surfaces_timer.wall();
-    const CadTimer seams_timer;
+    const WorkTimer seams_timer;
     build_seam_graph(part.patches, surfaces, model_options(options.deflection).seams);
     figures.seams.cpu += seams_timer.cpu();
     figures.seams.wall += seams_timer.wall();
@@ -148,7 +148,7 @@ CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& option
   CadFigures figures;
   const std::size_t resident = resident_bytes();
   forget_peak();
-  const CadTimer all;
+  const WorkTimer all;
   Clocks preparation, triangulation, total;
   Prepared prepared;
   Tessellations tessellations;
@@ -157,10 +157,10 @@ CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& option
     if (run > 0 && all.wall() > k_repeat_seconds) break;
     tessellations.clear();
     prepared = {};
-    const CadTimer run_timer;
+    const WorkTimer run_timer;
     prepared = prepare(subject, options.deflection);
     preparation.add(run_timer);
-    const CadTimer timer;
+    const WorkTimer timer;
     for (const SeamModel& model : prepared.models) tessellations.emplace_back(model);
     updates = update(tessellations, options.deflection);
     triangulation.add(timer);

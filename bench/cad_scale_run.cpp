@@ -1,8 +1,8 @@
 #include "cad_meshers.h"
 #include "cad_run.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "work_timer.h"
 #include <recede/geometry/error.h>
 #include <recede/lod/seam_viewer.h>
 
@@ -54,7 +54,7 @@ std::vector<SizeFigures> measure_sizes(const CadSubject& subject) {
     const double pixel = subject.diagonal / pixels, tolerance = pixel / 2;
     SizeFigures& here = figures.emplace_back();
     for (std::size_t i = 0; i < models.size(); ++i) {
-      const CadTimer timer;
+      const WorkTimer timer;
       const SeamUpdate update = tessellations[i].update(tolerance);
       here.update_seconds += timer.cpu();
       here.triangles += update.triangles * uses[i];
@@ -106,15 +106,15 @@ CostFigures measure_cost(const std::vector<CadPart>& parts, double tolerance) {
   CostFigures figures;
   const std::size_t resident = resident_bytes();
   forget_peak();
-  const CadTimer all;
+  const WorkTimer all;
   for (const CadPart& part : parts) {
-    const CadTimer surfaces_timer;
+    const WorkTimer surfaces_timer;
     const std::vector<PatchSurface> surfaces = prepare_surfaces(part.patches, k_bounds_share * tolerance);
     figures.surfaces += surfaces_timer.cpu();
-    const CadTimer seams_timer;
+    const WorkTimer seams_timer;
     const SeamGraph graph = build_seam_graph(part.patches, surfaces, {.tolerance = tolerance});
     figures.seams += seams_timer.cpu();
-    const CadTimer collapses_timer;
+    const WorkTimer collapses_timer;
     const SeamHierarchy hierarchy = build_seam_hierarchy(graph, surfaces);
     figures.collapses += collapses_timer.cpu();
     figures.patches += graph.n_patches();

@@ -128,9 +128,9 @@ HardCaseRow run_system(const System& system, const PolygonSoup& input, std::size
 /// As the command does it: what a file holds is repaired before it is simplified.
 Outcome repair_and_simplify(const PolygonSoup& soup, const SimplifyTarget& target) {
   Outcome outcome;
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer setup;
   const PolygonMesh mesh = repair_to_polygon_mesh(soup).mesh;
-  outcome.setup_seconds = seconds_since(start);
+  outcome.setup_seconds = setup.wall();
   SimplifyOptions options;
   options.target = target;
   SimplifyResult simplified = simplify(mesh, options);

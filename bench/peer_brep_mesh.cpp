@@ -1,8 +1,8 @@
 #include "cad_search.h"
 #include "cad_shapes.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "work_timer.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 
@@ -83,12 +83,12 @@ CadFigures measure_brep_mesh(const CadSubject& subject, const CadRunOptions& opt
   CadFigures figures;
   const std::size_t resident = resident_bytes();
   forget_peak();
-  const CadTimer all;
+  const WorkTimer all;
   std::vector<double> cpu, wall;
   for (std::size_t run = 0; run < options.repeats; ++run) {
     if (run > 0 && all.wall() > k_repeat_seconds) break;
     clean(subject);
-    const CadTimer timer;
+    const WorkTimer timer;
     figures.status = mesh(subject, options.deflection, options.angle);
     cpu.push_back(timer.cpu());
     wall.push_back(timer.wall());
