@@ -44,7 +44,7 @@ CostFigures measure_cost(const PolygonSoup& model, bool is_two_sided, std::size_
     texture_billboards(model, clouds[1]);
     texturing.push_back(of_textures.wall());
     figures.billboards = clouds[1].billboards.size();
-    if (i == 0) figures.peak_bytes = peak_resident_bytes() - before;
+    if (i == 0) figures.peak_bytes = peak_above(before);
   }
   figures.clustering = median(clustering);
   figures.clustering_processor = median(processor);
@@ -108,10 +108,8 @@ BenchSection measure_billboard_growth(const BenchOptions& options) {
       const std::size_t repeats = faces > 100'000 ? 1 : options.repeats;
       const ChildAnswer answer = run_in_child(
           [&] {
-            std::string bytes;
-            put(bytes, measure_cost(are_leaves ? loose_leaves(faces) : make_displaced_sphere(faces, true),
-                                    are_leaves, repeats));
-            return bytes;
+            return as_bytes(measure_cost(
+                are_leaves ? loose_leaves(faces) : make_displaced_sphere(faces, true), are_leaves, repeats));
           },
           k_seconds_allowed);
       if (!answer.succeeded) {

@@ -165,7 +165,7 @@ CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& option
     updates = update(tessellations, options.deflection);
     triangulation.add(timer);
     total.add(run_timer);
-    if (run == 0) figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
+    if (run == 0) figures.peak_bytes = peak_above(resident);
   }
   figures.total = total.medians();
   figures.triangulation = triangulation.medians();
@@ -204,26 +204,16 @@ CadLevels measure_levels(const CadSubject& subject, double deflection, const std
 }  // namespace
 
 CadAnswer run_recede(const CadSubject& subject, const CadRunOptions& options) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_recede(subject, options));
-        return bytes;
-      },
-      options.seconds_allowed);
+  const ChildAnswer answer =
+      run_in_child([&] { return as_bytes(measure_recede(subject, options)); }, options.seconds_allowed);
   if (!answer.succeeded) return {{}, answer.failure};
   return {ByteReader(answer.bytes).take<CadFigures>(), {}};
 }
 
 CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection,
                                   const std::filesystem::path& mesh) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_levels(subject, deflection, mesh));
-        return bytes;
-      },
-      CadRunOptions{}.seconds_allowed);
+  const ChildAnswer answer = run_in_child([&] { return as_bytes(measure_levels(subject, deflection, mesh)); },
+                                          CadRunOptions{}.seconds_allowed);
   if (!answer.succeeded) return {{}, answer.failure};
   return {ByteReader(answer.bytes).take<CadLevels>(), {}};
 }

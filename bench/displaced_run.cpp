@@ -171,24 +171,13 @@ std::string cell(const ChildAnswer& answer, const std::function<std::string(cons
 
 ChildAnswer measure_in_child(const DisplacedSystem& system, const std::function<DisplacedSurface()>& make,
                              int level, std::size_t repeats) {
-  return run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_scene(system, make(), level, repeats));
-        return bytes;
-      },
-      k_seconds_allowed);
+  return run_in_child([&] { return as_bytes(measure_scene(system, make(), level, repeats)); },
+                      k_seconds_allowed);
 }
 
 /// What `work` says in a process of its own, or why it says nothing.
 std::string text_in_child(const std::function<std::string()>& work) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, work());
-        return bytes;
-      },
-      k_seconds_allowed);
+  const ChildAnswer answer = run_in_child([&] { return as_bytes(work()); }, k_seconds_allowed);
   return answer.succeeded ? ByteReader(answer.bytes).take_text() : answer.failure + "\n\n";
 }
 
@@ -236,9 +225,7 @@ std::vector<double> level_errors(int last) {
           const MeshDistance distance = finest.to(at_level(level));
           errors.push_back(distance.rms / distance.diagonal);
         }
-        std::string bytes;
-        put(bytes, errors);
-        return bytes;
+        return as_bytes(errors);
       },
       k_seconds_allowed);
   if (!answer.succeeded) throw Error("errors of levels: " + answer.failure);

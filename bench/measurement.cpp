@@ -90,9 +90,7 @@ std::string measure_here(const System& system, const Model& model, const Simplif
   if (figures.faces == 0) throw Error("the result is empty");
   figures.quad_share = quad_share(outcome.result);
   if (options.with_errors) judge(model, outcome, figures);
-  std::string bytes;
-  put(bytes, figures);
-  return bytes + outcome.remark;
+  return as_bytes(figures) + outcome.remark;
 }
 
 }  // namespace

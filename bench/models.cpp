@@ -65,9 +65,7 @@ PolygonSoup load_model(const ModelSource& source) {
         remove_degenerate_faces(soup);
         remove_unreferenced_vertices(soup);
         split_non_manifold(soup);
-        std::string bytes;
-        put(bytes, soup);
-        return bytes;
+        return as_bytes(soup);
       },
       k_load_seconds);
   if (!answer.succeeded) throw InputError(fmt::format("{}: {}", source.name, answer.failure));

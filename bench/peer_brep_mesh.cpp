@@ -92,7 +92,7 @@ CadFigures measure_brep_mesh(const CadSubject& subject, const CadRunOptions& opt
     figures.status = mesh(subject, options.deflection, options.angle);
     cpu.push_back(timer.cpu());
     wall.push_back(timer.wall());
-    if (run == 0) figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
+    if (run == 0) figures.peak_bytes = peak_above(resident);
   }
   figures.total = {median(cpu), median(wall)};
   const CadJudgeOptions judging{.deflection = options.deflection};
@@ -135,13 +135,11 @@ template <typename Work>
 auto in_child(unsigned seconds_allowed, Work&& work) {
   return run_in_child(
       [&] {
-        std::string bytes;
         try {
-          put(bytes, work());
+          return as_bytes(work());
         } catch (const Standard_Failure& failure) {
           throw recede::Error(failure.DynamicType()->Name());
         }
-        return bytes;
       },
       seconds_allowed);
 }

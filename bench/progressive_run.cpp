@@ -139,9 +139,7 @@ Measured<Figures> in_child(const std::function<Figures()>& measure) {
   const ChildAnswer answer = run_in_child(
       [&] {
         const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, std::size_t{1});
-        std::string bytes;
-        put(bytes, measure());
-        return bytes;
+        return as_bytes(measure());
       },
       k_seconds_allowed);
   if (!answer.succeeded) return {std::nullopt, answer.failure};
