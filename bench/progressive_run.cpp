@@ -23,15 +23,14 @@ namespace {
 
 constexpr unsigned k_seconds_allowed = 900;
 
-double rms_share(const PolygonSoup& input, const PolygonSoup& result) {
-  const MeshDistance distance = measure_distance(input, result);
-  return distance.rms / distance.diagonal;
-}
-
 ProgressiveFigures::File measure_file(const ProgressiveMesh& mesh, const PmeshOptions& options,
                                       const std::filesystem::path& path, std::size_t repeats) {
   ProgressiveFigures::File file;
-  file.write_seconds = median_seconds(repeats, [&] { file.bytes = write_pmesh(path, mesh, options).bytes; });
+  file.write_seconds = median_seconds(repeats, [&] {
+    const PmeshReport report = write_pmesh(path, mesh, options);
+    file.bytes = report.bytes;
+    file.numbering_bytes = report.numbering_bytes;
+  });
   file.read_seconds = median_seconds(repeats, [&] {
     if (read_pmesh(path).n_splits() != mesh.n_splits()) throw Error("the file lost splits");
   });
@@ -166,6 +165,11 @@ ProgressiveRow run_model(const ModelSource& source, const BenchOptions& options)
 }
 
 }  // namespace
+
+double rms_share(const PolygonSoup& input, const PolygonSoup& result) {
+  const MeshDistance distance = measure_distance(input, result);
+  return distance.rms / distance.diagonal;
+}
 
 std::size_t share_of_faces(const PolygonSoup& soup, double share) {
   return static_cast<std::size_t>(share * static_cast<double>(soup.n_faces()));
