@@ -34,6 +34,7 @@ BenchSection compare_threads(const BenchOptions& options) {
       "| model | kind | faces | `volume`, 1 thread | 2 threads | `normal_deviation`, 1 thread | 2 threads |\n"
       "|---|---|---|---|---|---|---|\n";
   for (const test::DifferentModel& model : test::different_models()) {
+    if (!is_wanted(model.name, options.models)) continue;
     const PolygonSoup soup = model.load(options.data.parent_path());
     text += fmt::format("| {} | {} | {} |", model.name, model.kind, soup.n_faces());
     for (const CostPolicy cost : {CostPolicy::volume, CostPolicy::normal_deviation}) {
