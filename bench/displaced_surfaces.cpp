@@ -146,18 +146,15 @@ DisplacedSurface tiled_sphere() {
 }
 
 BakedMaps bunny_maps(const std::filesystem::path& data, double share) {
-  for (const ModelSource& source : all_models(data, true)) {
-    if (source.name != "bunny00") continue;
-    require_file(source);
-    const PolygonSoup fine = load_model(source);
-    SimplifyOptions coarser;
-    coarser.target.ratio = share;
-    const SimplifySoupResult coarse = simplify(fine, coarser);
-    MapOptions options;
-    options.search_distance = MapOptions::k_reach * coarse.error_bound.value();
-    return bake_maps(fine, coarse.soup, options);
-  }
-  throw InputError("the models have no bunny");
+  const ModelSource source = model_file(data, "bunny00");
+  require_file(source);
+  const PolygonSoup fine = load_model(source);
+  SimplifyOptions coarser;
+  coarser.target.ratio = share;
+  const SimplifySoupResult coarse = simplify(fine, coarser);
+  MapOptions options;
+  options.search_distance = MapOptions::k_reach * coarse.error_bound.value();
+  return bake_maps(fine, coarse.soup, options);
 }
 
 DisplacedSurface mapped_bunny(const std::filesystem::path& data) {
