@@ -51,10 +51,6 @@ std::string table(const std::string& title, const std::vector<Row>& rows, const 
   return text + '\n';
 }
 
-double percent(std::size_t part, std::size_t whole) {
-  return 100 * static_cast<double>(part) / static_cast<double>(whole);
-}
-
 std::string error_cell(const Row& row) {
   const Figures& f = *row.figures;
   std::string text = fmt::format("{:.2g} ; {:.3g} ; {:.3g}", f.seconds, 1e3 * f.max, 1e4 * f.rms);
@@ -217,6 +213,10 @@ void write_csv(const std::filesystem::path& file,
 }
 
 }  // namespace
+
+double percent(std::size_t part, std::size_t whole) {
+  return 100 * static_cast<double>(part) / static_cast<double>(whole);
+}
 
 std::string quoted(std::string text) {
   std::replace(text.begin(), text.end(), '"', '\'');

@@ -11,6 +11,8 @@ BenchSection measure_simplification(const BenchOptions& options);
 /// Time and memory over growing inputs. Writes growth.csv.
 BenchSection measure_growth(const BenchOptions& options);
 
+double percent(std::size_t part, std::size_t whole);
+
 /// A field of a CSV line.
 std::string quoted(std::string text);
 

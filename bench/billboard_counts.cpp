@@ -54,11 +54,11 @@ std::string in_short(std::size_t n) {
   return n >= 10'000 ? fmt::format("{:.0f} k", 1e-3 * number) : fmt::format("{}", n);
 }
 
-std::size_t count_planes(const BillboardModel& model, double share, double& seconds) {
+std::size_t count_planes(const BillboardModel& model, double share, std::size_t repeats, double& seconds) {
   const detail::BillboardFaces faces = detail::billboard_faces_of(model.soup);
   std::size_t n = 0;
   seconds = median_seconds(
-      3, [&] { n = detail::cover_by_planes(faces, share * model.diagonal() / model.size()).size(); });
+      repeats, [&] { n = detail::cover_by_planes(faces, share * model.diagonal() / model.size()).size(); });
   return n;
 }
 
@@ -140,7 +140,7 @@ BenchSection measure_plane_counts(const BenchOptions& options) {
     std::string cells, times;
     for (const double share : {0.05, 0.03, 0.01}) {
       double seconds = 0;
-      const std::size_t n = count_planes(model, share, seconds);
+      const std::size_t n = count_planes(model, share, options.repeats, seconds);
       cells += fmt::format(" {} |", n);
       times += fmt::format("{}{:.2f}", times.empty() ? "" : " ; ", seconds);
       section.rows.push_back({{"model", name},

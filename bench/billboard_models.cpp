@@ -1,7 +1,6 @@
 #include "billboard_models.h"
 
-#include <recede/geometry/error.h>
-#include <recede/geometry/mesh_io.h>
+#include "models.h"
 #include <recede/geometry/sample_models.h>
 
 #include <fmt/format.h>
@@ -15,10 +14,9 @@ namespace recede::bench {
 namespace {
 
 BillboardModel from_file(const BenchOptions& options, const std::string& name) {
-  const std::filesystem::path path = options.data / (name + ".off");
-  if (!std::filesystem::exists(path))
-    throw InputError(fmt::format("{} is missing; `./dev data` fetches it", path.string()));
-  return {.name = name, .soup = read_soup(path)};
+  const ModelSource source = model_file(options.data, name);
+  require_file(source);
+  return {.name = name, .soup = source.load()};
 }
 
 }  // namespace

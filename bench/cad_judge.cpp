@@ -129,7 +129,7 @@ Vec3 place_in_triangle(std::size_t i) {
   return {a, b, 1 - a - b};
 }
 
-/// Of a triangle: from its plane, or from its longest side where it is as good as flat.
+/// Of a triangle: from its plane, or from its longest side where it is as good as a line.
 class TrianglePlane {
  public:
   TrianglePlane(const std::array<Vec3, 3>& corners, double diagonal) : origin_(corners[0]) {
@@ -138,18 +138,18 @@ class TrianglePlane {
       const Vec3 side = corners[(k + 1) % 3] - corners[k];
       if (side.norm() > along_.norm()) along_ = side;
     }
-    is_flat_ = cross.norm() <= k_same_point * diagonal * along_.norm();
-    if (!is_flat_) normal_ = cross.normalized();
+    is_line_ = cross.norm() <= k_same_point * diagonal * along_.norm();
+    if (!is_line_) normal_ = cross.normalized();
     if (along_.norm() > 0) along_.normalize();
   }
   double distance(const Vec3& point) const {
     const Vec3 to = point - origin_;
-    return is_flat_ ? (to - to.dot(along_) * along_).norm() : std::abs(to.dot(normal_));
+    return is_line_ ? (to - to.dot(along_) * along_).norm() : std::abs(to.dot(normal_));
   }
 
  private:
   Vec3 origin_, normal_ = Vec3::Zero(), along_ = Vec3::Zero();
-  bool is_flat_ = false;
+  bool is_line_ = false;
 };
 
 struct FaceJudgement {

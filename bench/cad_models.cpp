@@ -1,14 +1,13 @@
 #include "cad_models.h"
 
 #include "cad_shapes.h"
+#include "scratch_folder.h"
 #include <recede/geometry/detail/cad_assembly.h>
 #include <recede/geometry/detail/cad_guard.h>
 #include <recede/geometry/error.h>
 #include <recede/lod/cad_hierarchy.h>
 
 #include <BRepTools.hxx>
-#include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
@@ -17,18 +16,6 @@ namespace recede::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder that goes with everything in it.
-struct ScratchFolder {
-  fs::path path = fs::temp_directory_path() / fmt::format("recede-bench-{}", ::getpid());
-  ScratchFolder() { fs::create_directories(path); }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-};
 
 std::string name_of(const detail::CadBody& body, std::size_t face) {
   return body.faces[face].name.empty() ? std::to_string(face + 1) : body.faces[face].name;
@@ -127,14 +114,14 @@ std::vector<CadSource> cad_sources(const fs::path& folder) {
 CadSubject load_cad(const CadSource& source) {
   if (!source.make) return load_file(source.name, source.file);
   const ScratchFolder folder;
-  test::write_brep(folder.path / "shape.brep", source.make());
-  return load_file(source.name, folder.path / "shape.brep");
+  test::write_brep(folder.path() / "shape.brep", source.make());
+  return load_file(source.name, folder.path() / "shape.brep");
 }
 
 CadSubject load_cad_assembly(int patches) {
   const ScratchFolder folder;
-  test::write_step_assembly(folder.path / "assembly.step", test::cad_screws_on_plates(patches));
-  return load_file("screws on plates", folder.path / "assembly.step");
+  test::write_step_assembly(folder.path() / "assembly.step", test::cad_screws_on_plates(patches));
+  return load_file("screws on plates", folder.path() / "assembly.step");
 }
 
 }  // namespace recede::bench

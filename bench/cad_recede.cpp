@@ -1,7 +1,7 @@
 #include "cad_search.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "work_timer.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/lod/seam_model.h>
@@ -105,7 +105,7 @@ std::vector<CadBodyMesh> uncollapsed_meshes_of(const CadSubject& subject, const 
 /// Medians of both clocks.
 struct Clocks {
   std::vector<double> cpu, wall;
-  void add(const CadTimer& timer) {
+  void add(const WorkTimer& timer) {
     cpu.push_back(timer.cpu());
     wall.push_back(timer.wall());
   }
@@ -117,12 +117,12 @@ void split_preparation(const CadSubject& subject, const CadRunOptions& options, 
                        CadFigures& figures) {
   for (const CadBench& body : subject.bodies) {
     const CadPart& part = subject.model.parts[body.part];
-    const CadTimer surfaces_timer;
+    const WorkTimer surfaces_timer;
     const std::vector<PatchSurface> surfaces =
         prepare_surfaces(part.patches, k_bounds_share * options.deflection);
     figures.surfaces.cpu += surfaces_timer.cpu();
     figures.surfaces.wall += surfaces_timer.wall();
-    const CadTimer seams_timer;
+    const WorkTimer seams_timer;
     build_seam_graph(part.patches, surfaces, model_options(options.deflection).seams);
     figures.seams.cpu += seams_timer.cpu();
     figures.seams.wall += seams_timer.wall();
@@ -148,7 +148,7 @@ CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& option
   CadFigures figures;
   const std::size_t resident = resident_bytes();
   forget_peak();
-  const CadTimer all;
+  const WorkTimer all;
   Clocks preparation, triangulation, total;
   Prepared prepared;
   Tessellations tessellations;
@@ -157,15 +157,15 @@ CadFigures measure_recede(const CadSubject& subject, const CadRunOptions& option
     if (run > 0 && all.wall() > k_repeat_seconds) break;
     tessellations.clear();
     prepared = {};
-    const CadTimer run_timer;
+    const WorkTimer run_timer;
     prepared = prepare(subject, options.deflection);
     preparation.add(run_timer);
-    const CadTimer timer;
+    const WorkTimer timer;
     for (const SeamModel& model : prepared.models) tessellations.emplace_back(model);
     updates = update(tessellations, options.deflection);
     triangulation.add(timer);
     total.add(run_timer);
-    if (run == 0) figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
+    if (run == 0) figures.peak_bytes = peak_above(resident);
   }
   figures.total = total.medians();
   figures.triangulation = triangulation.medians();
@@ -204,26 +204,16 @@ CadLevels measure_levels(const CadSubject& subject, double deflection, const std
 }  // namespace
 
 CadAnswer run_recede(const CadSubject& subject, const CadRunOptions& options) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_recede(subject, options));
-        return bytes;
-      },
-      options.seconds_allowed);
+  const ChildAnswer answer =
+      run_in_child([&] { return as_bytes(measure_recede(subject, options)); }, options.seconds_allowed);
   if (!answer.succeeded) return {{}, answer.failure};
   return {ByteReader(answer.bytes).take<CadFigures>(), {}};
 }
 
 CadLevelsAnswer run_recede_levels(const CadSubject& subject, double deflection,
                                   const std::filesystem::path& mesh) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_levels(subject, deflection, mesh));
-        return bytes;
-      },
-      CadRunOptions{}.seconds_allowed);
+  const ChildAnswer answer = run_in_child([&] { return as_bytes(measure_levels(subject, deflection, mesh)); },
+                                          CadRunOptions{}.seconds_allowed);
   if (!answer.succeeded) return {{}, answer.failure};
   return {ByteReader(answer.bytes).take<CadLevels>(), {}};
 }

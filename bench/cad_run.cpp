@@ -24,7 +24,6 @@ CadRow measure_row(const CadSubject& subject, double share, std::size_t repeats,
   run.repeats = repeats;
   run.equal = share == k_equal_share && !is_short;
   row.recede = run_recede(subject, run);
-  row.wide_angle.failure = row.brep_mesh.failure = "";
   CadRunOptions wide = run;
   wide.angle = k_wide_angle;
   row.wide_angle = run_brep_mesh(subject, wide);

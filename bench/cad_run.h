@@ -8,7 +8,7 @@
 namespace recede::bench {
 
 /// Measures the models that `options.models` finds; files are looked for in the folder `cad` beside the data.
-/// Both sides get the same shapes, the same distances and two threads each, and are judged by the same
+/// Both sides get the same shapes, the same distances and all threads, and are judged by the same
 /// samples of the file's surfaces. Writes cad.md and cad.json into `options.out` and gives the former; also
 /// cad-recede.ply and cad-brep-mesh.ply, a model whose faces have two deflections.
 BenchSection measure_cad(const BenchOptions& options);

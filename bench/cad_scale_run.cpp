@@ -1,8 +1,8 @@
 #include "cad_meshers.h"
 #include "cad_run.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "work_timer.h"
 #include <recede/geometry/error.h>
 #include <recede/lod/seam_viewer.h>
 
@@ -54,7 +54,7 @@ std::vector<SizeFigures> measure_sizes(const CadSubject& subject) {
     const double pixel = subject.diagonal / pixels, tolerance = pixel / 2;
     SizeFigures& here = figures.emplace_back();
     for (std::size_t i = 0; i < models.size(); ++i) {
-      const CadTimer timer;
+      const WorkTimer timer;
       const SeamUpdate update = tessellations[i].update(tolerance);
       here.update_seconds += timer.cpu();
       here.triangles += update.triangles * uses[i];
@@ -68,13 +68,8 @@ std::vector<SizeFigures> measure_sizes(const CadSubject& subject) {
 }
 
 std::string size_rows(const CadSubject& subject) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_sizes(subject));
-        return bytes;
-      },
-      k_seconds_allowed);
+  const ChildAnswer answer =
+      run_in_child([&] { return as_bytes(measure_sizes(subject)); }, k_seconds_allowed);
   if (!answer.succeeded) return fmt::format("| {} | {} |\n", subject.name, answer.failure);
   std::vector<SizeFigures> figures;
   ByteReader(answer.bytes).take(figures);
@@ -106,15 +101,15 @@ CostFigures measure_cost(const std::vector<CadPart>& parts, double tolerance) {
   CostFigures figures;
   const std::size_t resident = resident_bytes();
   forget_peak();
-  const CadTimer all;
+  const WorkTimer all;
   for (const CadPart& part : parts) {
-    const CadTimer surfaces_timer;
+    const WorkTimer surfaces_timer;
     const std::vector<PatchSurface> surfaces = prepare_surfaces(part.patches, k_bounds_share * tolerance);
     figures.surfaces += surfaces_timer.cpu();
-    const CadTimer seams_timer;
+    const WorkTimer seams_timer;
     const SeamGraph graph = build_seam_graph(part.patches, surfaces, {.tolerance = tolerance});
     figures.seams += seams_timer.cpu();
-    const CadTimer collapses_timer;
+    const WorkTimer collapses_timer;
     const SeamHierarchy hierarchy = build_seam_hierarchy(graph, surfaces);
     figures.collapses += collapses_timer.cpu();
     figures.patches += graph.n_patches();
@@ -126,7 +121,7 @@ CostFigures measure_cost(const std::vector<CadPart>& parts, double tolerance) {
                                bytes_of(hierarchy.vanished);
   }
   figures.wall = all.wall();
-  figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
+  figures.peak_bytes = peak_above(resident);
   return figures;
 }
 
@@ -154,13 +149,8 @@ CadPart repeated(const CadPart& part, double step, std::size_t copies) {
 }
 
 std::string cost_row(const std::string& name, const std::vector<CadPart>& parts, double tolerance) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_cost(parts, tolerance));
-        return bytes;
-      },
-      k_seconds_allowed);
+  const ChildAnswer answer =
+      run_in_child([&] { return as_bytes(measure_cost(parts, tolerance)); }, k_seconds_allowed);
   if (!answer.succeeded) return fmt::format("| {} | {} |\n", name, answer.failure);
   const auto f = ByteReader(answer.bytes).take<CostFigures>();
   const auto points = static_cast<double>(f.points);
@@ -209,13 +199,8 @@ WalkFigures measure_walk(const CadPart& part, double tolerance) {
 }
 
 std::string walk_row(const std::string& name, const CadPart& part, double tolerance) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_walk(part, tolerance));
-        return bytes;
-      },
-      k_seconds_allowed);
+  const ChildAnswer answer =
+      run_in_child([&] { return as_bytes(measure_walk(part, tolerance)); }, k_seconds_allowed);
   if (!answer.succeeded) return fmt::format("| {} | {} |\n", name, answer.failure);
   const auto f = ByteReader(answer.bytes).take<WalkFigures>();
   return fmt::format("| {} | {} | {:.0f} ; {:.2f} ; {:.2f} ; {:.0f} | {} ; {} |\n", name, part.patches.size(),

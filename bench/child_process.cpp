@@ -110,6 +110,11 @@ void forget_peak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
+std::size_t peak_above(std::size_t before) {
+  const std::size_t peak = peak_resident_bytes();
+  return peak > before ? peak - before : 0;
+}
+
 std::string ByteReader::take_text() {
   std::vector<char> letters;
   take(letters);

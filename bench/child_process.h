@@ -29,6 +29,8 @@ std::size_t resident_bytes();
 std::size_t peak_resident_bytes();
 /// Starts a new peak at what is resident now.
 void forget_peak();
+/// How far that peak is above what was resident `before`; 0 where it isn't.
+std::size_t peak_above(std::size_t before);
 
 /// Plain values as bytes and back, in the order in which they were put. Reading past the end throws
 /// `InputError`.
@@ -69,5 +71,13 @@ void put(std::string& bytes, const std::vector<T>& values) {
 void put(std::string& bytes, const std::string& text);
 /// Positions and faces.
 void put(std::string& bytes, const PolygonSoup& soup);
+
+/// One value alone.
+template <class T>
+std::string as_bytes(const T& value) {
+  std::string bytes;
+  put(bytes, value);
+  return bytes;
+}
 
 }  // namespace recede::bench

@@ -60,11 +60,15 @@ CloudCheck check_cloud(const PolygonSoup& model, const BillboardCloud& cloud, bo
       }
     }
   }
-  for (const unsigned n : uses) {
-    check.uncovered += n == 0 ? 1 : 0;
-    check.repeated += n > 1 ? 1 : 0;
+  std::size_t uncovered = 0;
+  for (Index face = 0; face < uses.size(); ++face) {
+    if (uses[face] > 1) ++check.repeated;
+    if (uses[face] > 0) continue;
+    ++uncovered;
+    if (has_direction(model, face, vector_area(model, face), largest_coordinate)) ++check.uncovered;
   }
-  check.uncovered -= std::min(check.uncovered, cloud.left_out);
+  // Those without an area may be left out, and no others; the cloud says how many it left out.
+  check.uncovered = std::max(check.uncovered, uncovered - std::min(uncovered, cloud.left_out));
   return check;
 }
 

@@ -16,7 +16,7 @@ struct CloudCheck {
   bool is_sound(double largest_deviation) const;
 };
 
-/// From the model's points alone: no number that a billboard says of itself is used.
+/// From the model's points: no number that a billboard says of itself is used.
 CloudCheck check_cloud(const PolygonSoup& model, const BillboardCloud& cloud, bool is_two_sided);
 
 /// Of rectangles, in texels with sides of the cloud's error.

@@ -24,6 +24,8 @@ namespace {
 
 constexpr unsigned k_seconds_allowed = 1200;
 constexpr int k_image_side = 1024;
+/// Scenes are scaled to a longest side of 1 around the origin, and rays are theirs.
+constexpr double k_radius = 0.5;
 
 double thread_seconds() {
   timespec time{};
@@ -32,26 +34,26 @@ double thread_seconds() {
 }
 
 /// A picture of the ball, 4 x 4 pixels after 4 x 4 pixels.
-std::vector<Ray> camera_rays(const Vec3& center, double radius) {
+std::vector<Ray> camera_rays() {
   std::vector<Ray> rays;
   for (int at = 0; at < k_image_side * k_image_side; ++at) {
     const int block = at / 16, x = block % (k_image_side / 4) * 4 + at % 4,
               y = block / (k_image_side / 4) * 4 + at / 4 % 4;
     const auto across = [](int pixel) { return 0.74 * ((pixel + 0.5) / k_image_side - 0.5); };
-    rays.push_back({(center + Vec3(0, 0, 3 * radius)).cast<float>(),
-                    Vec3(across(x), across(y), -1).normalized().cast<float>()});
+    rays.push_back(
+        {Vec3(0, 0, 3 * k_radius).cast<float>(), Vec3(across(x), across(y), -1).normalized().cast<float>()});
   }
   return rays;
 }
 
 /// From around the ball to points within it.
-std::vector<Ray> incoherent_rays(const Vec3& center, double radius) {
+std::vector<Ray> incoherent_rays() {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> share(0, 1);
   std::vector<Ray> rays;
   for (int k = 0; k < k_image_side * k_image_side; ++k) {
-    const Vec3 from = center + 1.3 * radius * random_direction(random);
-    const Vec3 to = center + 0.95 * radius * std::cbrt(share(random)) * random_direction(random);
+    const Vec3 from = 1.3 * k_radius * random_direction(random);
+    const Vec3 to = 0.95 * k_radius * std::cbrt(share(random)) * random_direction(random);
     rays.push_back({from.cast<float>(), (to - from).normalized().cast<float>()});
   }
   return rays;
@@ -137,24 +139,21 @@ void warm_up() {
 
 Figures measure_scene(const DisplacedSystem& system, DisplacedSurface surface, int level,
                       std::size_t repeats) {
-  const Box3 box = bounding_box(surface.base);
-  const double scale = 1 / box.sizes().maxCoeff(), radius = 0.5 * scale * box.sizes().maxCoeff();
   Figures figures;
   figures.small = small_triangles(surface, level);
   const RTCDevice device = rtcNewDevice(nullptr);
   warm_up();
   system.build(device, rough_sphere(1, Vec3::Zero(), 1), 1);
   malloc_trim(0);
-  const std::size_t before = resident_bytes();
+  // The map is there already. Scenes keep it or let go of it: either way it isn't what stood before.
+  const std::size_t before = resident_bytes() - surface.map.bytes();
   const DisplacedScene scene = system.build(device, std::move(surface), level);
   malloc_trim(0);
   figures.build_seconds = scene.build_seconds;
   // Small ones can fit into what was freed before.
-  const std::size_t kept = std::max(resident_bytes(), before) - before + scene.map_bytes;
+  const std::size_t kept = std::max(resident_bytes(), before) - before;
   figures.bytes = static_cast<double>(kept) / static_cast<double>(figures.small);
-  // Rays are those of the scaled scene around the origin.
-  const std::vector<Ray> camera = camera_rays(Vec3::Zero(), radius),
-                         any = incoherent_rays(Vec3::Zero(), radius);
+  const std::vector<Ray> camera = camera_rays(), any = incoherent_rays();
   const auto count =
       static_cast<std::size_t>(1e-3 * system.rays_of_thousand * static_cast<double>(camera.size()));
   const bool is_slow = system.rays_of_thousand < 1000;
@@ -172,31 +171,22 @@ std::string cell(const ChildAnswer& answer, const std::function<std::string(cons
 
 ChildAnswer measure_in_child(const DisplacedSystem& system, const std::function<DisplacedSurface()>& make,
                              int level, std::size_t repeats) {
-  return run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, measure_scene(system, make(), level, repeats));
-        return bytes;
-      },
-      k_seconds_allowed);
+  return run_in_child([&] { return as_bytes(measure_scene(system, make(), level, repeats)); },
+                      k_seconds_allowed);
 }
 
 /// What `work` says in a process of its own, or why it says nothing.
 std::string text_in_child(const std::function<std::string()>& work) {
-  const ChildAnswer answer = run_in_child(
-      [&] {
-        std::string bytes;
-        put(bytes, work());
-        return bytes;
-      },
-      k_seconds_allowed);
+  const ChildAnswer answer = run_in_child([&] { return as_bytes(work()); }, k_seconds_allowed);
   return answer.succeeded ? ByteReader(answer.bytes).take_text() : answer.failure + "\n\n";
 }
 
+/// Nothing where packets weren't traced.
+std::string packets_text(const Figures& f) { return f.packets > 0 ? fmt::format("{:.3g}", f.packets) : ""; }
+
 std::string rates_text(const Figures& f) {
-  const std::string packets = f.packets > 0 ? fmt::format("{:.2f}", f.packets) : "";
-  return fmt::format("{:.2f} | {:.3g} | {} | {:.3g} | {:.3g}", f.build_seconds, f.bytes, packets, f.camera,
-                     f.incoherent);
+  return fmt::format("{:.2f} | {:.3g} | {} | {:.3g} | {:.3g}", f.build_seconds, f.bytes, packets_text(f),
+                     f.camera, f.incoherent);
 }
 
 std::string systems_table(const std::string& name, const std::function<DisplacedSurface()>& make, int level,
@@ -221,18 +211,26 @@ std::string systems_table(const std::string& name, const std::function<Displaced
 /// RMS distance of the small triangles of levels 1, 2, ... from those of the last one, as shares of the
 /// diagonal.
 std::vector<double> level_errors(int last) {
-  const DisplacedSurface surface = fractal_sphere();
-  const auto at_level = [&](int level) {
-    DisplacedMeshOptions levels;
-    levels.level = level;
-    return DisplacedMesh(surface.base, surface.map, levels).tessellate();
-  };
-  const DistanceMeter finest(at_level(last));
+  const ChildAnswer answer = run_in_child(
+      [&] {
+        const DisplacedSurface surface = fractal_sphere();
+        const auto at_level = [&](int level) {
+          DisplacedMeshOptions levels;
+          levels.level = level;
+          return DisplacedMesh(surface.base, surface.map, levels).tessellate();
+        };
+        const DistanceMeter finest(at_level(last));
+        std::vector<double> errors;
+        for (int level = 1; level < last; ++level) {
+          const MeshDistance distance = finest.to(at_level(level));
+          errors.push_back(distance.rms / distance.diagonal);
+        }
+        return as_bytes(errors);
+      },
+      k_seconds_allowed);
+  if (!answer.succeeded) throw Error("errors of levels: " + answer.failure);
   std::vector<double> errors;
-  for (int level = 1; level < last; ++level) {
-    const MeshDistance distance = finest.to(at_level(level));
-    errors.push_back(distance.rms / distance.diagonal);
-  }
+  ByteReader(answer.bytes).take(errors);
   return errors;
 }
 
@@ -242,7 +240,6 @@ void add_levels(const BenchOptions& options, BenchSection& section) {
        incoherent = log_plot("Incoherent rays", "small triangles", "microseconds of a ray"),
        error = log_plot("Fractal sphere: error over memory", "megabytes, map included",
                         "RMS to the finest level, of the diagonal");
-  const std::vector<double> errors = level_errors(options.quick ? 5 : 6);
   std::string text =
       "**Fractal sphere at growing levels: bytes each ; camera rays 16 together ; camera ; incoherent**\n\n| "
       "level |";
@@ -258,6 +255,7 @@ void add_levels(const BenchOptions& options, BenchSection& section) {
   for (std::size_t k = 0; k < systems.size(); ++k) text += "---|";
   text += "\n";
   if (systems.empty()) return;
+  const std::vector<double> errors = level_errors(options.quick ? 5 : 6);
   const int most = options.quick ? 5 : 8;
   for (int level = 1; level <= most; ++level) {
     text += fmt::format("| {} |", level);
@@ -274,7 +272,7 @@ void add_levels(const BenchOptions& options, BenchSection& section) {
                             add_point(incoherent, system.name, small, 1 / f.incoherent);
                             if (const auto at = static_cast<std::size_t>(level - 1); at < errors.size())
                               add_point(error, system.name, 1e-6 * f.bytes * small, errors[at]);
-                            return fmt::format("{:.3g} ; {:.3g} ; {:.3g} ; {:.3g}", f.bytes, f.packets,
+                            return fmt::format("{:.3g} ; {} ; {:.3g} ; {:.3g}", f.bytes, packets_text(f),
                                                f.camera, f.incoherent);
                           }));
     }
@@ -293,12 +291,12 @@ std::string memory_lines(const BenchOptions& options) {
     std::vector<Index> faces;
     triangulate(surface.base, &faces, nullptr);
     const std::size_t triangles = faces.size(), map = surface.map.bytes();
+    const std::vector<Ray> rays = camera_rays();
     malloc_trim(0);
     const std::size_t before = resident_bytes();
     DisplacedMeshOptions levels;
     levels.level = surface.level;
     const DisplacedMesh mesh(surface.base, std::move(surface.map), levels);
-    const std::vector<Ray> rays = camera_rays(Vec3::Zero(), 0.5);
     const double rate =
         single_rate(mesh.data().scene.get(), rays, options.quick ? rays.size() / 16 : rays.size(), true);
     malloc_trim(0);
@@ -341,12 +339,9 @@ std::string edit_line() {
     std::vector<double> milliseconds;
     for (int k = 0; k < 9; ++k) {
       DisplacementMap copy = surface.map;
-      timespec start{}, end{};
-      clock_gettime(CLOCK_MONOTONIC, &start);
+      const WorkTimer timer;
       mesh.set_map(std::move(copy));
-      clock_gettime(CLOCK_MONOTONIC, &end);
-      milliseconds.push_back(1e3 * static_cast<double>(end.tv_sec - start.tv_sec) +
-                             1e-6 * static_cast<double>(end.tv_nsec - start.tv_nsec));
+      milliseconds.push_back(1e3 * timer.wall());
     }
     return fmt::format("Another map on the fractal sphere: {:.1f} ms\n\n", median(milliseconds));
   });
@@ -399,7 +394,7 @@ std::string pictures_table(const BenchOptions& options) {
 }  // namespace
 
 BenchSection measure_displaced(const BenchOptions& options) {
-  // Children first: they must be forked before this process has threads.
+  // The checks start threads, after which this process may not fork: they come last.
   BenchSection section;
   section.markdown = systems_table("Fractal sphere", fractal_sphere, options.quick ? 5 : 6, options);
   section.markdown += systems_table(

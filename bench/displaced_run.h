@@ -8,8 +8,7 @@
 
 namespace recede::bench {
 
-/// Measures everything. Each system runs in a process of its own; rates are
-/// of one thread.
+/// Measures everything. Each system runs in a process of its own; rates are of one thread.
 BenchSection measure_displaced(const BenchOptions& options);
 
 /// Rays that get out of closed surfaces, first hits that differ from brute force, and false shadows, counted.

@@ -34,7 +34,6 @@ DisplacedMeshOptions at_level(int level) {
 
 DisplacedScene build_ours(RTCDevice, DisplacedSurface&& surface, int level) {
   DisplacedScene result;
-  result.map_bytes = surface.map.bytes();
   std::shared_ptr<DisplacedMesh> mesh;
   result.build_seconds = median_seconds(1, [&] {
     mesh = std::make_shared<DisplacedMesh>(surface.base, std::move(surface.map), at_level(level));
@@ -163,7 +162,6 @@ DisplacedScene build_subdivision(RTCDevice device, DisplacedSurface&& surface, i
     }
   }
   DisplacedScene result;
-  result.map_bytes = quads->map.bytes();
   result.kept = quads;
   result.build_seconds = median_seconds(1, [&] {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SUBDIVISION);
@@ -304,7 +302,6 @@ DisplacedScene build_recursive(RTCDevice device, DisplacedSurface&& surface, int
   const auto kept = std::make_shared<RecursiveSurface>(
       RecursiveSurface{{}, std::move(surface.map), static_cast<float>(frame.scale)});
   DisplacedScene result;
-  result.map_bytes = kept->map.bytes();
   result.kept = kept;
   result.build_seconds = median_seconds(1, [&] {
     const HeightBounds bounds(kept->map);

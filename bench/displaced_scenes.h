@@ -18,8 +18,7 @@ namespace recede::bench {
 struct DisplacedScene {
   RTCScene scene = nullptr;
   std::shared_ptr<void> kept{};
-  double build_seconds = 0;   ///< processor time from base and map, without making them
-  std::size_t map_bytes = 0;  ///< of the map, where it is still needed
+  double build_seconds = 0;  ///< processor time from base and map, without making them
 };
 
 struct DisplacedSystem {

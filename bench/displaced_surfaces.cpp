@@ -114,7 +114,7 @@ DisplacedSurface fractal_sphere() {
     return Vec2((start_x(face) + i * k_texels + 0.5) / raster.width,
                 1 - (start_y(face) + j * k_texels + 0.5) / raster.height);
   });
-  return {"fractal sphere", std::move(base), DisplacementMap(std::move(raster), 0.06, 0), 6};
+  return {std::move(base), DisplacementMap(std::move(raster), 0.06, 0), 6};
 }
 
 DisplacedSurface rough_sphere(int n, const Vec3& center, unsigned seed) {
@@ -126,7 +126,7 @@ DisplacedSurface rough_sphere(int n, const Vec3& center, unsigned seed) {
     const double s = static_cast<double>(i) / n, t = static_cast<double>(j) / n;
     return Vec2((face % 3 + 0.05 + 0.9 * s) / 3, (face / 3 + 0.05 + 0.9 * t) / 2);
   });
-  return {"rough sphere", std::move(base), DisplacementMap(std::move(raster), 0.1, 0), 4};
+  return {std::move(base), DisplacementMap(std::move(raster), 0.1, 0), 4};
 }
 
 DisplacedSurface tiled_sphere() {
@@ -142,28 +142,24 @@ DisplacedSurface tiled_sphere() {
     }
   });
   PolygonSoup base = sphere_of_charts(k_quads, Vec3::Zero(), [](int, int i, int j) { return Vec2(i, j); });
-  return {"tiled sphere", std::move(base), DisplacementMap(std::move(raster), 0.002, 0, MapBorder::periodic),
-          12};
+  return {std::move(base), DisplacementMap(std::move(raster), 0.002, 0, MapBorder::periodic), 12};
 }
 
 BakedMaps bunny_maps(const std::filesystem::path& data, double share) {
-  for (const ModelSource& source : all_models(data, true)) {
-    if (source.name != "bunny00") continue;
-    require_file(source);
-    const PolygonSoup fine = load_model(source);
-    SimplifyOptions coarser;
-    coarser.target.ratio = share;
-    const SimplifySoupResult coarse = simplify(fine, coarser);
-    MapOptions options;
-    options.search_distance = MapOptions::k_reach * coarse.error_bound.value();
-    return bake_maps(fine, coarse.soup, options);
-  }
-  throw InputError("the models have no bunny");
+  const ModelSource source = model_file(data, "bunny00");
+  require_file(source);
+  const PolygonSoup fine = load_model(source);
+  SimplifyOptions coarser;
+  coarser.target.ratio = share;
+  const SimplifySoupResult coarse = simplify(fine, coarser);
+  MapOptions options;
+  options.search_distance = MapOptions::k_reach * coarse.error_bound.value();
+  return bake_maps(fine, coarse.soup, options);
 }
 
 DisplacedSurface mapped_bunny(const std::filesystem::path& data) {
   const BakedMaps maps = bunny_maps(data, 0.02);
-  return {"bunny", maps.surface, displacement_map_of(maps), 5};
+  return {maps.surface, displacement_map_of(maps), 5};
 }
 
 }  // namespace recede::bench

@@ -6,13 +6,10 @@
 #include <recede/lod/displacement_bake.h>
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 namespace recede::bench {
 
 struct DisplacedSurface {
-  std::string name;
   PolygonSoup base;
   DisplacementMap map;
   int level = 0;  ///< of subdivision, at which small triangles are about half a texel

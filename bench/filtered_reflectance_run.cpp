@@ -55,8 +55,8 @@ std::vector<Pair> random_pairs() {
 /// Sums over rays from the viewer: what is lit by the light, with rays for shadows, and without these.
 struct Traced {
   std::array<double, k_material_count> lit{}, unshaded{};
-  std::array<double, k_material_count>
-      first_half{};  ///< of `lit`, of the rays on the black squares of a board
+  /// Of `lit`, of the rays on the black squares of a board.
+  std::array<double, k_material_count> first_half{};
 };
 
 Traced trace(const DisplacedPlane& plane, const Pair& pair, unsigned seed, int rays_aside) {
@@ -112,11 +112,13 @@ Errors errors_of(std::size_t m, const std::vector<ReflectanceFilter>& filters, c
   return errors;
 }
 
+constexpr int k_lobe_side = 64;  // pixels
+
 /// Light from 45 degrees; the viewer all over the hemisphere, seen from above, up to 75 degrees at the rim.
 template <class Radiance>
-Image lobe(const Radiance& radiance, double scale) {
-  constexpr int k_side = 64;
-  Image image(k_side, k_side, Rgb::Constant(1));
+Image lobe(const Radiance& radiance, double scale, const Rgb& background) {
+  constexpr int k_side = k_lobe_side;
+  Image image(k_side, k_side, background);
   const Vec3 light = direction(std::numbers::sqrt2 / 2, std::numbers::pi);
   tbb::parallel_for(0, k_side * k_side, [&](int at) {
     const Vec2 place(2 * (at % k_side + 0.5) / k_side - 1, 1 - 2 * (at / k_side + 0.5) / k_side);
@@ -132,11 +134,11 @@ Image lobe(const Radiance& radiance, double scale) {
 Image lobes(const DisplacedPlane& plane, const std::vector<ReflectanceFilter>& filters) {
   constexpr int k_rays = 24;
   const auto traced = [&](const Pair& pair) { return trace(plane, pair, 1, k_rays).lit[k_glossy]; };
-  // As bright as half of white in the mean.
-  double mean = 0;
-  for (const Rgb& pixel : lobe(traced, 1).pixels) mean += pixel.x() < 1 ? pixel.x() : 0;
-  const double scale = 0.25 * 64 * 64 * std::numbers::pi / 4 / mean;
-  std::vector<Image> images{lobe(traced, scale)};
+  // A quarter of white in the mean, which looks half as bright.
+  double sum = 0;
+  for (const Rgb& pixel : lobe(traced, 1, Rgb::Zero()).pixels) sum += static_cast<double>(pixel.x());
+  const double scale = 0.25 * std::numbers::pi / 4 * k_lobe_side * k_lobe_side / sum;
+  std::vector<Image> images{lobe(traced, scale, Rgb::Ones())};
   for (const std::string name : {"**64 bytes**", "8 x 8 slopes", "Gaussian (LEADR)", "Toksvig"}) {
     for (const ReflectanceFilter& filter : filters) {
       if (filter.name != name) continue;
@@ -144,16 +146,18 @@ Image lobes(const DisplacedPlane& plane, const std::vector<ReflectanceFilter>& f
           [&](const Pair& pair) {
             return filter.radiance(pair.toward_viewer, pair.toward_light, k_materials[k_glossy].material);
           },
-          scale));
+          scale, Rgb::Ones()));
     }
   }
   return side_by_side(images);
 }
 
+/// Seconds of a processor.
 struct Costs {
-  double whole = 0, levels = 0,
-         lookup = 0;  ///< seconds: one distribution, all levels, one pair of directions
-  std::size_t bytes = 0;
+  double whole = 0;       ///< one distribution
+  double levels = 0;      ///< all levels
+  double lookup = 0;      ///< one pair of directions
+  std::size_t bytes = 0;  ///< of all levels
 };
 
 Costs costs_of(const DisplacementMap& map, const std::vector<Pair>& pairs, std::size_t repeats) {
@@ -215,7 +219,9 @@ class Tables {
         "the mean; {} rays each.\n",
         k_pairs, k_rays_aside * k_rays_aside);
     for (const std::string& rows : rows_) text += '\n' + rows;
-    text += "\n| | one distribution | all levels | one pair of directions |\n|---|---|---|---|\n" + costs_;
+    text +=
+        "\n| processor time | one distribution | all levels | one pair of directions |\n|---|---|---|---|\n" +
+        costs_;
     AppearanceSection section{text, csv_, {curve_}};
     for (PlotSeries& series : section.curves.front().series) series.line = false;
     return section;

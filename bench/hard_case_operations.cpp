@@ -1,23 +1,20 @@
 // What our own operations do with the hard cases: polygons stay polygons.
 #include "child_process.h"
+#include "file_round_trip.h"
 #include "hard_case_run.h"
 #include "hard_cases.h"
+#include "scratch_folder.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_distance.h>
-#include <recede/geometry/mesh_io.h>
 #include <recede/lod/lod_hierarchy.h>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 namespace recede::bench {
 namespace {
 
 using test::HardCase;
 namespace fs = std::filesystem;
-
-/// Errors below this share of the diagonal are rounding.
-constexpr double k_exact = 1e-9;
 
 std::string share_text(double length, double diagonal) {
   const double share = diagonal > 0 ? length / diagonal : length;
@@ -59,16 +56,11 @@ std::string describe_hierarchy(const PolygonSoup& soup, const fs::path& folder) 
 }
 
 std::string describe_round_trip(const PolygonSoup& soup, const fs::path& file) {
-  write_soup(file, soup);
-  const PolygonSoup read = read_soup(file);
-  return read.positions == soup.positions && read.face_offsets == soup.face_offsets &&
-                 read.corner_vertices == soup.corner_vertices
-             ? "same"
-             : "not the same";
+  return comes_back_from(file, soup) ? "same" : "not the same";
 }
 
 /// `work`'s answer or how it ended, without the folder's name.
-std::string outcome_of(const std::function<std::string()>& work, const fs::path& folder) {
+std::string outcome_of(const std::function<std::string()>& work, const ScratchFolder& folder) {
   const ChildAnswer answer = run_in_child(
       [&]() -> std::string {
         try {
@@ -78,18 +70,14 @@ std::string outcome_of(const std::function<std::string()>& work, const fs::path&
         }
       },
       k_hard_case_seconds);
-  std::string text = answer.succeeded ? answer.bytes : answer.failure;
-  const std::string name = folder.string() + '/';
-  for (std::size_t at; (at = text.find(name)) != text.npos;) text.erase(at, name.size());
-  return text;
+  return folder.without_folder(answer.succeeded ? answer.bytes : answer.failure);
 }
 
 }  // namespace
 
 std::vector<OperationRow> run_operations(const HardCase& hard_case) {
   const PolygonSoup& soup = hard_case.soup;
-  const fs::path folder = fs::temp_directory_path() / fmt::format("recede-bench-{}", ::getpid());
-  fs::create_directories(folder);
+  const ScratchFolder folder;
   std::vector<OperationRow> rows;
   const auto add = [&](const char* operation, const std::function<std::string()>& work) {
     rows.push_back({operation, outcome_of(work, folder)});
@@ -98,10 +86,9 @@ std::vector<OperationRow> run_operations(const HardCase& hard_case) {
   add("simplify, `volume`", [&] { return describe_simplify(soup, CostPolicy::volume); });
   add("simplify, `normal_deviation`", [&] { return describe_simplify(soup, CostPolicy::normal_deviation); });
   add("distance to itself", [&] { return describe_distance(soup); });
-  add("hierarchy, written and read", [&] { return describe_hierarchy(soup, folder); });
-  add("PLY, written and read", [&] { return describe_round_trip(soup, folder / "case.ply"); });
-  add("OBJ, written and read", [&] { return describe_round_trip(soup, folder / "case.obj"); });
-  fs::remove_all(folder);
+  add("hierarchy, written and read", [&] { return describe_hierarchy(soup, folder.path()); });
+  add("PLY, written and read", [&] { return describe_round_trip(soup, folder.path() / "case.ply"); });
+  add("OBJ, written and read", [&] { return describe_round_trip(soup, folder.path() / "case.obj"); });
   return rows;
 }
 

@@ -7,16 +7,9 @@
 namespace recede::bench {
 namespace {
 
-/// Errors below this share of the diagonal are rounding.
-constexpr double k_exact = 1e-9;
-
 std::string error_text(double error, double unit) {
   if (error < k_exact) return "0";
   return error < 1000 * unit ? fmt::format("{:.3g}", error / unit) : fmt::format("{:.0f}", error / unit);
-}
-
-double percent(std::size_t part, std::size_t whole) {
-  return 100 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
 std::string short_outcome(const HardCaseRow& row, const HardCaseResult& result) {

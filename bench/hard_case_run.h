@@ -42,6 +42,8 @@ struct HardCaseResult {
 /// `k_hard_case_seconds`.
 std::vector<HardCaseResult> run_hard_cases(const BenchOptions& options);
 inline constexpr unsigned k_hard_case_seconds = 60;
+/// Errors below this share of the diagonal are rounding.
+inline constexpr double k_exact = 1e-9;
 
 /// Each of our operations on the polygons of a case, in processes of their own.
 std::vector<OperationRow> run_operations(const test::HardCase& hard_case);

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <memory>
 
 namespace recede::bench {
@@ -22,12 +21,6 @@ constexpr unsigned k_seconds_allowed = 900;
 /// Of the certified interval, as `recede compare` has it.
 constexpr double k_bound_tolerance = 0.05;
 constexpr double k_target_slack = 1.01;
-
-double process_seconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 std::size_t excess(std::size_t after, std::size_t before) { return after > before ? after - before : 0; }
 
@@ -52,10 +45,10 @@ Outcome time_runs(const System& system, const PolygonSoup& soup, const SimplifyT
   }
   const std::size_t resident_before = resident_bytes();
   forget_peak();
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer all;
   Outcome first;
   std::vector<double> setup, seconds, cpu, proof;
-  while (seconds.empty() || (seconds.size() < repeats && seconds_since(start) < k_repeat_seconds)) {
+  while (seconds.empty() || (seconds.size() < repeats && all.wall() < k_repeat_seconds)) {
     Outcome outcome = system.run(soup, target);
     setup.push_back(outcome.setup_seconds);
     seconds.push_back(outcome.seconds);
@@ -97,29 +90,22 @@ std::string measure_here(const System& system, const Model& model, const Simplif
   if (figures.faces == 0) throw Error("the result is empty");
   figures.quad_share = quad_share(outcome.result);
   if (options.with_errors) judge(model, outcome, figures);
-  std::string bytes;
-  put(bytes, figures);
-  return bytes + outcome.remark;
+  return as_bytes(figures) + outcome.remark;
 }
 
 }  // namespace
 
 CallMeter::CallMeter() : setup_peak_(peak_resident_bytes()), resident_before_(resident_bytes()) {
   forget_peak();
-  cpu_before_ = process_seconds();
-  before_ = std::chrono::steady_clock::now();
+  timer_ = {};
 }
 
 void CallMeter::stop(Outcome& outcome) const {
-  outcome.seconds = seconds_since(before_);
-  outcome.cpu_seconds = process_seconds() - cpu_before_;
+  outcome.seconds = timer_.wall();
+  outcome.cpu_seconds = timer_.cpu();
   const std::size_t call_peak = peak_resident_bytes();
   outcome.call_peak_bytes = excess(call_peak, resident_before_);
   outcome.peak_bytes = std::max(setup_peak_, call_peak);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 std::vector<System> all_systems() {
@@ -157,9 +143,19 @@ double median_seconds(std::size_t runs, const std::function<void()>& work,
   std::vector<double> seconds;
   while (seconds.size() < runs) {
     if (before_each) before_each();
-    const double before = process_seconds();
+    const WorkTimer timer;
     work();
-    seconds.push_back(process_seconds() - before);
+    seconds.push_back(timer.cpu());
+  }
+  return median(seconds);
+}
+
+double median_wall_seconds(std::size_t runs, const std::function<void()>& work) {
+  std::vector<double> seconds;
+  while (seconds.size() < runs) {
+    const WorkTimer timer;
+    work();
+    seconds.push_back(timer.wall());
   }
   return median(seconds);
 }

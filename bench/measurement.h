@@ -65,4 +65,7 @@ double median(std::vector<double> values);
 double median_seconds(std::size_t runs, const std::function<void()>& work,
                       const std::function<void()>& before_each = {});
 
+/// The same of the wall clock, for work that someone waits for.
+double median_wall_seconds(std::size_t runs, const std::function<void()>& work);
+
 }  // namespace recede::bench

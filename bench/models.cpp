@@ -14,11 +14,6 @@ namespace {
 
 constexpr unsigned k_load_seconds = 600;
 
-ModelSource from_file(const std::filesystem::path& data, const std::string& name) {
-  const std::filesystem::path path = data / (name + ".off");
-  return {.name = name, .file = path, .load = [path] { return read_soup(path); }};
-}
-
 ModelSource sphere(const std::string& name, std::size_t faces, bool triangles) {
   return {
       .name = name, .polygons = !triangles, .load = [=] { return make_displaced_sphere(faces, triangles); }};
@@ -30,10 +25,15 @@ void round_to_float(PolygonSoup& soup) {
 
 }  // namespace
 
+ModelSource model_file(const std::filesystem::path& data, const std::string& name) {
+  const std::filesystem::path path = data / (name + ".off");
+  return {.name = name, .file = path, .load = [path] { return read_soup(path); }};
+}
+
 std::vector<ModelSource> all_models(const std::filesystem::path& data, bool quick) {
   std::vector<ModelSource> models;
   for (const char* name : {"fandisk_large", "armadillo", "bunny00", "refined_elephant"}) {
-    models.push_back(from_file(data, name));
+    models.push_back(model_file(data, name));
   }
   models.push_back(sphere("sphere 250k", 250'000, true));
   if (!quick) models.push_back(sphere("sphere 1M", 1'000'000, true));
@@ -65,9 +65,7 @@ PolygonSoup load_model(const ModelSource& source) {
         remove_degenerate_faces(soup);
         remove_unreferenced_vertices(soup);
         split_non_manifold(soup);
-        std::string bytes;
-        put(bytes, soup);
-        return bytes;
+        return as_bytes(soup);
       },
       k_load_seconds);
   if (!answer.succeeded) throw InputError(fmt::format("{}: {}", source.name, answer.failure));

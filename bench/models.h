@@ -18,10 +18,13 @@ struct ModelSource {
   std::function<PolygonSoup()> load;
 };
 
+/// An OFF file of the folder, which may be missing.
+ModelSource model_file(const std::filesystem::path& data, const std::string& name);
+
 /// All models but the largest when `quick`; files are looked for in `data`.
 std::vector<ModelSource> all_models(const std::filesystem::path& data, bool quick);
 
-/// Displaced spheres of growing size, up to 300 thousand triangles when `quick`, else 4 million.
+/// Displaced spheres of growing size, up to 300 thousand triangles when `quick`, else 10 million.
 std::vector<ModelSource> growing_models(bool quick);
 
 /// Throws `InputError` when its file is missing.

@@ -1,8 +1,8 @@
 #include "cad_search.h"
 #include "cad_shapes.h"
-#include "cad_timer.h"
 #include "child_process.h"
 #include "measurement.h"
+#include "work_timer.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 
@@ -83,16 +83,16 @@ CadFigures measure_brep_mesh(const CadSubject& subject, const CadRunOptions& opt
   CadFigures figures;
   const std::size_t resident = resident_bytes();
   forget_peak();
-  const CadTimer all;
+  const WorkTimer all;
   std::vector<double> cpu, wall;
   for (std::size_t run = 0; run < options.repeats; ++run) {
     if (run > 0 && all.wall() > k_repeat_seconds) break;
     clean(subject);
-    const CadTimer timer;
+    const WorkTimer timer;
     figures.status = mesh(subject, options.deflection, options.angle);
     cpu.push_back(timer.cpu());
     wall.push_back(timer.wall());
-    if (run == 0) figures.peak_bytes = peak_resident_bytes() - std::min(peak_resident_bytes(), resident);
+    if (run == 0) figures.peak_bytes = peak_above(resident);
   }
   figures.total = {median(cpu), median(wall)};
   const CadJudgeOptions judging{.deflection = options.deflection};
@@ -135,13 +135,11 @@ template <typename Work>
 auto in_child(unsigned seconds_allowed, Work&& work) {
   return run_in_child(
       [&] {
-        std::string bytes;
         try {
-          put(bytes, work());
+          return as_bytes(work());
         } catch (const Standard_Failure& failure) {
           throw recede::Error(failure.DynamicType()->Name());
         }
-        return bytes;
       },
       seconds_allowed);
 }

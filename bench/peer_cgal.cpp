@@ -61,9 +61,9 @@ PolygonSoup to_soup(const Mesh& mesh) {
 template <class Collapse>
 Outcome run(const PolygonSoup& soup, const SimplifyTarget& target, Collapse collapse) {
   Outcome outcome;
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer setup;
   Mesh mesh = to_mesh(soup, outcome.refused_faces);
-  outcome.setup_seconds = seconds_since(start);
+  outcome.setup_seconds = setup.wall();
   const CallMeter meter;
   collapse(mesh, FaceCountStop{target.faces.value()});
   meter.stop(outcome);

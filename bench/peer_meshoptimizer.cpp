@@ -22,7 +22,7 @@ PolygonSoup to_soup(const std::vector<Vec3>& positions, const std::vector<unsign
 
 Outcome run(const PolygonSoup& soup, const SimplifyTarget& target) {
   Outcome outcome;
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer setup;
   std::vector<float> positions;
   positions.reserve(3 * soup.positions.size());
   for (const Vec3& p : soup.positions) {
@@ -30,7 +30,7 @@ Outcome run(const PolygonSoup& soup, const SimplifyTarget& target) {
   }
   // Its result may need as much room as its input, whatever the target.
   std::vector<unsigned> result(soup.corner_vertices.size());
-  outcome.setup_seconds = seconds_since(start);
+  outcome.setup_seconds = setup.wall();
   const std::size_t stride = 3 * sizeof(float);
   // Only the count is to stop it.
   const float any_error = std::numeric_limits<float>::max();

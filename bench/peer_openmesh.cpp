@@ -31,9 +31,9 @@ Outcome run(const PolygonSoup& soup, const SimplifyTarget& target) {
   Outcome outcome;
   // It would name every face that it refuses; they are counted.
   omerr().disable();
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer setup;
   Mesh mesh = to_openmesh<Mesh>(soup, outcome.refused_faces);
-  outcome.setup_seconds = seconds_since(start);
+  outcome.setup_seconds = setup.wall();
   const CallMeter meter;
   OpenMesh::Decimater::DecimaterT<Mesh> decimater(mesh);
   typename OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;

@@ -49,12 +49,12 @@ PolygonSoup to_soup(vtkPolyData& mesh) {
 
 Outcome run(const PolygonSoup& soup, const SimplifyTarget& target) {
   Outcome outcome;
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer setup;
   const auto decimation = vtkSmartPointer<vtkQuadricDecimation>::New();
   decimation->SetInputData(to_mesh(soup));
   const double share = static_cast<double>(target.faces.value()) / static_cast<double>(soup.n_faces());
   decimation->SetTargetReduction(1 - share);
-  outcome.setup_seconds = seconds_since(start);
+  outcome.setup_seconds = setup.wall();
   const CallMeter meter;
   decimation->Update();
   meter.stop(outcome);

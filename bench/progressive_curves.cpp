@@ -3,7 +3,6 @@
 #include "plot_sheet.h"
 #include "progressive_run.h"
 #include "systems.h"
-#include <recede/geometry/mesh_distance.h>
 #include <recede/lod/pmesh.h>
 
 #include <fmt/format.h>
@@ -16,11 +15,6 @@ namespace {
 
 constexpr const char* k_model = "bunny00";
 constexpr double k_shares[]{0.5, 0.2, 0.1, 0.05, 0.02, 0.01};
-
-double rms_share(const PolygonSoup& input, const PolygonSoup& level) {
-  const MeshDistance distance = measure_distance(input, level);
-  return distance.rms / distance.diagonal;
-}
 
 /// What OpenMesh's decimater, whose collapses its progressive mesh records, comes to.
 PolygonSoup openmesh_level(const PolygonSoup& soup, std::size_t faces) {

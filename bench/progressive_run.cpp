@@ -23,15 +23,14 @@ namespace {
 
 constexpr unsigned k_seconds_allowed = 900;
 
-double rms_share(const PolygonSoup& input, const PolygonSoup& result) {
-  const MeshDistance distance = measure_distance(input, result);
-  return distance.rms / distance.diagonal;
-}
-
 ProgressiveFigures::File measure_file(const ProgressiveMesh& mesh, const PmeshOptions& options,
                                       const std::filesystem::path& path, std::size_t repeats) {
   ProgressiveFigures::File file;
-  file.write_seconds = median_seconds(repeats, [&] { file.bytes = write_pmesh(path, mesh, options).bytes; });
+  file.write_seconds = median_seconds(repeats, [&] {
+    const PmeshReport report = write_pmesh(path, mesh, options);
+    file.bytes = report.bytes;
+    file.numbering_bytes = report.numbering_bytes;
+  });
   file.read_seconds = median_seconds(repeats, [&] {
     if (read_pmesh(path).n_splits() != mesh.n_splits()) throw Error("the file lost splits");
   });
@@ -139,9 +138,7 @@ Measured<Figures> in_child(const std::function<Figures()>& measure) {
   const ChildAnswer answer = run_in_child(
       [&] {
         const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, std::size_t{1});
-        std::string bytes;
-        put(bytes, measure());
-        return bytes;
+        return as_bytes(measure());
       },
       k_seconds_allowed);
   if (!answer.succeeded) return {std::nullopt, answer.failure};
@@ -168,6 +165,11 @@ ProgressiveRow run_model(const ModelSource& source, const BenchOptions& options)
 }
 
 }  // namespace
+
+double rms_share(const PolygonSoup& input, const PolygonSoup& result) {
+  const MeshDistance distance = measure_distance(input, result);
+  return distance.rms / distance.diagonal;
+}
 
 std::size_t share_of_faces(const PolygonSoup& soup, double share) {
   return static_cast<std::size_t>(share * static_cast<double>(soup.n_faces()));

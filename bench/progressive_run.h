@@ -94,6 +94,8 @@ std::vector<Plot> progressive_curves(const BenchOptions& options);
 std::string progressive_tables(const std::vector<ProgressiveRow>& rows);
 std::string progressive_csv(const std::vector<ProgressiveRow>& rows);
 
+/// RMS distance over the input's diagonal.
+double rms_share(const PolygonSoup& input, const PolygonSoup& result);
 std::size_t share_of_faces(const PolygonSoup& soup, double share);
 /// To the base, by half-edge collapses.
 ProgressiveOptions progressive_options(const PolygonSoup& soup, bool prove);

@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -54,9 +53,9 @@ std::string lowered(const std::string& markdown) {
 
 std::string section_text(const ReportSection& section, const BenchOptions& options) {
   const double load_before = load();
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer timer;
   const BenchSection found = section.measure(options);
-  const double minutes = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / 60;
+  const double minutes = timer.wall() / 60;
   std::string text = lowered(found.markdown);
   if (const std::string curves = plot_sheet(found.curves); !curves.empty()) {
     const std::string file = fmt::format("report-{}.svg", section.name);

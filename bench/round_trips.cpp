@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <regex>
 
 namespace recede::bench {
 namespace {
@@ -64,7 +63,6 @@ BenchSection run_round_trips(const BenchOptions& options) {
   std::sort(files.begin(), files.end());
   fs::create_directories(options.out);
   const fs::path file = options.out / "round_trip.pmesh";
-  const std::regex wanted(options.models);
   std::string text =
       "| model | vertices | faces | positions | lossless, bits/vertex | 14 bits | identical |\n"
       "|---|---|---|---|---|---|---|\n";
@@ -77,7 +75,7 @@ BenchSection run_round_trips(const BenchOptions& options) {
     refused += row.refused ? 1 : 0;
   };
   for (const auto& [name, path] : files) {
-    if (!std::regex_search(name, wanted)) continue;
+    if (!is_wanted(name, options.models)) continue;
     try {
       add(name, read_soup(path));
     } catch (const InputError& error) {
@@ -85,7 +83,7 @@ BenchSection run_round_trips(const BenchOptions& options) {
     }
   }
   for (const test::HardCase& hard_case : test::hard_cases()) {
-    if (std::regex_search(hard_case.name, wanted)) add("hard case: " + hard_case.name, hard_case.soup);
+    if (is_wanted(hard_case.name, options.models)) add("hard case: " + hard_case.name, hard_case.soup);
   }
   fs::remove(file);
   text += fmt::format("\n{} of {} identical, {} refused\n", identical, n, refused);

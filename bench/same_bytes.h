@@ -6,7 +6,7 @@
 namespace recede::bench {
 
 /// A Markdown table of ten models, simplified to 10 % of their faces: 64-bit FNV-1a hashes of all bytes of
-/// the result.
+/// the result, and where two threads give another. `options.models` chooses.
 BenchSection compare_threads(const BenchOptions& options);
 
 }  // namespace recede::bench

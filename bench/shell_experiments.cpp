@@ -2,7 +2,7 @@
 #include "experiment_shapes.h"
 #include "shell_run.h"
 #include "shell_shapes.h"
-#include "systems.h"
+#include "work_timer.h"
 #include <recede/geometry/closest_point.h>
 
 #include <fmt/format.h>
@@ -222,9 +222,9 @@ void add_sources(const std::string& name, const PolygonSoup& body, ShellSide sid
     source.options.side = side;
     const Shell before = traced(body, source.options);
     source.options.at_least_normals = false;
-    const auto start = std::chrono::steady_clock::now();
+    const WorkTimer timer;
     const Shell shell = build_shell(body, source.options);
-    const double seconds = seconds_since(start);
+    const double seconds = timer.wall();
     const ShellLayer &layer = only_layer(shell), &first = only_layer(before);
     const double evaluations =
         static_cast<double>(layer.evaluations) / static_cast<double>(body.positions.size());

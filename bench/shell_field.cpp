@@ -38,11 +38,12 @@ struct FieldErrors {
 };
 
 FieldErrors errors_of(const PolygonSoup& surface, std::span<const Vec3> points,
-                      std::span<const LpValue> exact, const LpDistanceOptions& options) {
+                      std::span<const LpValue> exact, const LpDistanceOptions& options, std::size_t repeats) {
   const LpDistance field(surface, options);
   std::vector<LpValue> values;
   FieldErrors errors;
-  errors.seconds = median_seconds(3, [&] { values = field.at(points); }) / static_cast<double>(points.size());
+  errors.seconds =
+      median_seconds(repeats, [&] { values = field.at(points); }) / static_cast<double>(points.size());
   std::vector<double> of_gradients;
   for (std::size_t i = 0; i < points.size(); ++i) {
     errors.distance = std::max(errors.distance, std::abs(values[i].distance / exact[i].distance - 1));
@@ -71,7 +72,7 @@ void add_openings(const BenchOptions& options, BenchSection& section) {
     const char* name = expansion == LpExpansion::monopole ? "points" : "with second moments";
     for (const double opening : {0.7, 1.0, 1.25, 1.5, 2.0, 2.5, 5.0}) {
       const FieldErrors errors =
-          errors_of(model.soup, points, exact, {.expansion = expansion, .opening = opening});
+          errors_of(model.soup, points, exact, {.expansion = expansion, .opening = opening}, options.repeats);
       section.markdown +=
           fmt::format("| {} | {} | {:.2g} | {:.2g} | {:.2g} | {:.3g} |\n", name, opening, errors.distance,
                       errors.gradient, errors.gradient_of_99, 1e6 * errors.seconds);
@@ -88,7 +89,7 @@ void add_openings(const BenchOptions& options, BenchSection& section) {
   section.curves.push_back(plot);
 }
 
-void add_growth(BenchSection& section) {
+void add_growth(std::size_t repeats, BenchSection& section) {
   section.markdown +=
       "\nGrowing balls with ridges, microseconds of a processor for an evaluation, and over the number's "
       "binary logarithm; a finite support is 10 % of the diameter\n\n| triangles | triangles, no support | / "
@@ -106,7 +107,7 @@ void add_growth(BenchSection& section) {
                                       std::pair("points", LpDistanceOptions{.source = LpSource::points})}) {
       const LpDistance distance(ball, field);
       const double microseconds =
-          1e6 * median_seconds(3, [&] { distance.at(points); }) / static_cast<double>(points.size());
+          1e6 * median_seconds(repeats, [&] { distance.at(points); }) / static_cast<double>(points.size());
       section.markdown += fmt::format(" {:.3g} | {:.3g} |", microseconds, microseconds / logarithm);
       row[name] = microseconds;
       add_point(plot, name, static_cast<double>(ball.n_faces()), microseconds);
@@ -122,7 +123,7 @@ void add_growth(BenchSection& section) {
 BenchSection measure_shell_field(const BenchOptions& options) {
   BenchSection section;
   add_openings(options, section);
-  add_growth(section);
+  add_growth(options.repeats, section);
   return section;
 }
 

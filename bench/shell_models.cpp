@@ -1,5 +1,6 @@
 // Layers over real models.
 #include "shell_run.h"
+#include "surface_defects.h"
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/polygon_mesh.h>
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 
 namespace recede::bench {
@@ -21,17 +21,7 @@ constexpr std::array<double, 3> k_shares{0.02, 0.05, 0.1};  // of the longest si
 // Repaired as the command does, and nothing if it has borders beside those that repair makes.
 std::optional<PolygonSoup> closed_surface(const std::filesystem::path& file) {
   PolygonSoup surface = to_soup(repair_to_polygon_mesh(read_soup(file)).mesh);
-  PolygonSoup welded = surface;
-  merge_identical_vertices(welded);
-  std::map<std::pair<Index, Index>, int> faces_of_edge;
-  for (std::size_t f = 0; f < welded.n_faces(); ++f) {
-    const std::span<const Index> face = welded.face(f);
-    for (std::size_t i = 0; i < face.size(); ++i)
-      ++faces_of_edge[std::minmax(face[i], face[(i + 1) % face.size()])];
-  }
-  const bool is_closed = std::all_of(faces_of_edge.begin(), faces_of_edge.end(),
-                                     [](const auto& edge) { return edge.second > 1; });
-  if (!is_closed || faces_of_edge.empty()) return {};
+  if (surface.n_faces() == 0 || count_defects(surface).border_edges > 0) return {};
   return surface;
 }
 

@@ -1,8 +1,8 @@
 #include "shell_run.h"
 
-#include <fmt/format.h>
+#include "work_timer.h"
 
-#include <chrono>
+#include <fmt/format.h>
 
 namespace recede::bench {
 
@@ -10,9 +10,9 @@ TimedShell build_timed(const PolygonSoup& surface, ShellSide side, double thickn
   ShellOptions options;
   options.thickness = thickness;
   options.side = side;
-  const auto start = std::chrono::steady_clock::now();
+  const WorkTimer timer;
   TimedShell timed{build_shell(surface, options)};
-  timed.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  timed.seconds = timer.wall();
   return timed;
 }
 

@@ -1,7 +1,6 @@
 // Shells that are edited and animated: what one change takes, beside building everything anew.
 #include "measurement.h"
 #include "shell_run.h"
-#include "systems.h"
 #include "uv_sheet.h"
 #include <recede/shells/procedural_volumes.h>
 #include <recede/shells/shell_edit.h>
@@ -18,15 +17,10 @@ namespace {
 
 constexpr int k_runs = 5;
 
-/// Median of the milliseconds on the clock that `work` takes, which someone waits for.
+/// Median of the milliseconds on the clock that `work` takes; it gets the number of the run.
 double waited(const std::function<void(int)>& work) {
-  std::vector<double> milliseconds;
-  for (int run = 0; run < k_runs; ++run) {
-    const auto start = std::chrono::steady_clock::now();
-    work(run);
-    milliseconds.push_back(1e3 * seconds_since(start));
-  }
-  return median(milliseconds);
+  int run = 0;
+  return 1e3 * median_wall_seconds(k_runs, [&] { work(run++); });
 }
 
 class Updates {

@@ -1,9 +1,11 @@
 // Operations with checks of what they promise, over all shapes.
 #include "child_process.h"
 #include "cloud_check.h"
+#include "file_round_trip.h"
 #include "hard_cases.h"
 #include "layer_faults.h"
 #include "same_bits.h"
+#include "scratch_folder.h"
 #include "shell_run.h"
 #include "stability_run.h"
 #include "torture_set.h"
@@ -15,7 +17,6 @@
 #include <recede/lod/pmesh.h>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <functional>
@@ -45,7 +46,8 @@ void check_repair(const PolygonSoup& soup, const fs::path&) {
   const PolygonSoup repaired = to_soup(repair_to_polygon_mesh(soup).mesh);
   validate(repaired, "the repaired mesh");
   const PolygonSoup again = to_soup(repair_to_polygon_mesh(repaired).mesh);
-  if (again.positions != repaired.positions || again.corner_vertices != repaired.corner_vertices)
+  if (again.positions != repaired.positions || again.face_offsets != repaired.face_offsets ||
+      again.corner_vertices != repaired.corner_vertices)
     throw Broken("repairing what was repaired changes it");
 }
 
@@ -138,11 +140,7 @@ void check_hierarchy(const PolygonSoup& soup, const fs::path& folder) {
 
 void check_files(const PolygonSoup& soup, const fs::path& folder) {
   for (const char* extension : {"ply", "obj", "off"}) {
-    const fs::path file = folder / fmt::format("case.{}", extension);
-    write_soup(file, soup);
-    const PolygonSoup back = read_soup(file);
-    if (back.positions != soup.positions || back.face_offsets != soup.face_offsets ||
-        back.corner_vertices != soup.corner_vertices)
+    if (!comes_back_from(folder / fmt::format("case.{}", extension), soup))
       throw Broken(fmt::format("{} gives other polygons", extension));
   }
 }
@@ -174,15 +172,15 @@ struct OperationOutcome {
 
 using Load = std::function<PolygonSoup()>;
 
-OperationOutcome run_operation(const Operation& operation, const Load& load, const fs::path& folder) {
-  fs::create_directories(folder);
+OperationOutcome run_operation(const Operation& operation, const Load& load) {
+  const ScratchFolder folder;
   const ChildAnswer answer = run_in_child(
       [&]() -> std::string {
         const auto line = [](Kind kind, const std::string& why) {
           return std::string(1, static_cast<char>(kind)) + why;
         };
         try {
-          operation.run(load(), folder);
+          operation.run(load(), folder.path());
           return line(Kind::done, "");
         } catch (const Broken& broken) {
           return line(Kind::broken, broken.what());
@@ -191,12 +189,8 @@ OperationOutcome run_operation(const Operation& operation, const Load& load, con
         }
       },
       k_seconds_allowed);
-  fs::remove_all(folder);
   if (!answer.succeeded) return {Kind::ended, answer.failure};
-  std::string text = answer.bytes.substr(1);
-  const std::string name = folder.string() + '/';
-  for (std::size_t at; (at = text.find(name)) != text.npos;) text.erase(at, name.size());
-  return {static_cast<Kind>(answer.bytes.front()), std::move(text)};
+  return {static_cast<Kind>(answer.bytes.front()), folder.without_folder(answer.bytes.substr(1))};
 }
 
 struct Shape {
@@ -252,12 +246,11 @@ BenchSection measure_operations(const BenchOptions& options) {
   section.markdown += rule + '\n';
   std::map<Kind, std::size_t> counts;
   std::string reasons;
-  const fs::path folder = fs::temp_directory_path() / fmt::format("recede-stability-{}", ::getpid());
   for (const Shape& shape : all_shapes(options)) {
     section.markdown += fmt::format("| {} |", shape.name);
     std::map<std::string, std::string> operations_of_reason;
     for (const Operation& operation : k_operations) {
-      const OperationOutcome outcome = run_operation(operation, shape.load, folder);
+      const OperationOutcome outcome = run_operation(operation, shape.load);
       ++counts[outcome.kind];
       section.markdown += fmt::format(" {} |", mark_of(outcome));
       section.rows.push_back({{"shape", shape.name},

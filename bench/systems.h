@@ -1,10 +1,10 @@
 // What is compared: a simplifier, as a name and a function on polygons.
 #pragma once
 
+#include "work_timer.h"
 #include <recede/geometry/polygon_soup.h>
 #include <recede/lod/simplify.h>
 
-#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -60,11 +60,7 @@ class CallMeter {
 
  private:
   std::size_t setup_peak_, resident_before_;
-  double cpu_before_;
-  std::chrono::steady_clock::time_point before_;
+  WorkTimer timer_;
 };
-
-/// Seconds since `start`.
-double seconds_since(std::chrono::steady_clock::time_point start);
 
 }  // namespace recede::bench

@@ -7,31 +7,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 
 namespace recede::bench {
 namespace {
 
-constexpr int k_samples = 4, k_reference_samples = 256;
+constexpr int k_samples = DrawnBy{}.samples, k_reference_samples = 256;
 
 std::string csv_line(std::string_view surface, std::string_view method, std::string_view figure,
                      double value) {
   return fmt::format("transitions,{},{},{},{:.6g}\n", surface, method, figure, value);
-}
-
-template <class Work>
-double median_seconds(std::size_t repeats, const Work& work) {
-  std::vector<double> seconds;
-  for (std::size_t i = 0; i < repeats; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2),
-                   seconds.end());
-  return seconds[seconds.size() / 2];
 }
 
 Image reference_of(const TransitionScene& scene, const Camera& camera) {
@@ -81,7 +66,7 @@ std::string method_table(const TransitionScene& scene, const TransitionScene& pl
     for (std::size_t v = 0; v < views.size(); ++v) {
       Image image;
       const double seconds =
-          median_seconds(repeats, [&] { image = draw(method.scene, views[v].camera, method.by); });
+          median_wall_seconds(repeats, [&] { image = draw(method.scene, views[v].camera, method.by); });
       if (method.by.representation == Representation::displacement) displaced[v] = seconds;
       if (method.by.representation == Representation::automatic) automatic[v] = seconds;
       const double error = compare_images(image, references[v]).rmse;
@@ -108,7 +93,7 @@ std::string distance_table(const TransitionScene& scene, std::size_t repeats, st
     const Image reference = reference_of(scene, camera);
     const auto measured = [&](Representation representation) {
       Image image;
-      const double seconds = median_seconds(
+      const double seconds = median_wall_seconds(
           repeats, [&] { image = draw(scene.scene, camera, {.representation = representation}); });
       return std::pair(seconds, compare_images(image, reference).rmse);
     };
@@ -141,7 +126,7 @@ std::string threshold_table(const TransitionScene& scene, std::size_t repeats) {
   std::string rows;
   for (const double share : {0.1, 0.3, 0.5, 1.0, 2.0, 4.0, 100.0}) {
     const DrawnBy by{.transition = transition_around(share * two_pixels)};
-    const double seconds = median_seconds(repeats, [&] { draw(scene.scene, camera, by); });
+    const double seconds = median_wall_seconds(repeats, [&] { draw(scene.scene, camera, by); });
     const PictureShares shares = count_methods(scene.scene, camera, {.transition = by.transition});
     const double all = 1 - shares.background;
     rows += fmt::format(
@@ -326,13 +311,10 @@ Plot sample_curve(const TransitionScene& scene, std::size_t repeats) {
                                              std::pair("displacement", Representation::displacement)}) {
     for (const int samples : {1, 2, 4, 8, 16, 32}) {
       Image image;
-      std::vector<double> seconds;
-      for (std::size_t i = 0; i < repeats; ++i) {
-        const std::clock_t start = std::clock();  // of the processor, all threads together
+      const double seconds = median_seconds(repeats, [&] {
         image = draw(scene.scene, camera, {representation, samples});
-        seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-      }
-      add_point(plot, name, median(seconds), compare_images(image, reference, inside).rmse);
+      });
+      add_point(plot, name, seconds, compare_images(image, reference, inside).rmse);
     }
   }
   return plot;

@@ -323,7 +323,7 @@ void measure_large_volume(const BenchOptions& options, BenchSection& section) {
     const std::size_t before = resident_bytes();
     forget_peak();
     const double seconds = median_seconds(1, work);
-    const std::size_t peak = peak_resident_bytes(), added = peak > before ? peak - before : 0;
+    const std::size_t added = peak_above(before);
     section.markdown += fmt::format("| {} | {:.2f} | {:.2f} |\n", name, seconds, gib(added));
     section.rows.push_back(
         {{"experiment", "turbine"}, {"side", side}, {"step", name}, {"seconds", seconds}, {"bytes", added}});
@@ -378,7 +378,7 @@ void measure_volume_storage(BenchSection& section) {
     const std::size_t before = resident_bytes();
     forget_peak();
     const double seconds = median_seconds(1, [&] { make_mipmap(texture); });
-    const std::size_t peak = peak_resident_bytes(), added = peak > before ? peak - before : 0;
+    const std::size_t added = peak_above(before);
     section.markdown += fmt::format("| {} | {:.1f} | {:.1f} | {:.1f} | {:.0f} |\n", name, mib(dense),
                                     mib(bricks), seconds, mib(added));
     section.rows.push_back({{"experiment", "storage"},

@@ -6,8 +6,10 @@
 
 namespace recede::bench {
 
-class CadTimer {
+/// From its construction on.
+class WorkTimer {
  public:
+  /// Seconds of the processor, all threads of this process together.
   double cpu() const { return now() - cpu_; }
   double wall() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count();
