@@ -243,7 +243,7 @@ const Scene& Drawn::scene_of(std::size_t level, Progress* progress) {
   return *scenes_[level];
 }
 
-/// What the heights of the map stand on.
+/// What the heights of the map, or the texture of the shell, stand on.
 PolygonSoup Drawn::base_of_map(std::size_t level) const {
   return mesh_ ? *mesh_ : to_soup(hierarchy_.levels[level].mesh);
 }
@@ -281,7 +281,7 @@ Scene Drawn::make_scene(std::size_t level, Progress* progress) {
     return options_.reflectance ? make_reflecting(level) : Scene(drawn, shading);
   PolygonSoup soup;
   const bool is_displaced = method == Displacement::tessellated;
-  if (heights_) {
+  if (heights_ || mesh_) {
     soup = base_of_map(level);
     if (is_displaced) soup = DisplacedMesh(soup, *heights_, displacement).tessellate();
   } else {

@@ -49,7 +49,7 @@ int main(int argc, char** argv) try {
   recede::write_png(argv[2],
                     recede::side_by_side(std::array{picture_of(bare, fine), picture_of(mapped, fine),
                                                     picture_of(displaced, fine), picture_of(fine, fine)}));
-} catch (const std::exception& error) {
+} catch (const recede::Error& error) {
   std::cerr << error.what() << '\n';
   return 1;
 }

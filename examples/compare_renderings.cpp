@@ -1,5 +1,6 @@
 // compare_renderings PICTURE.png: the teapot, a level of it with a hundredth of the faces, and where one sees
 // the difference.
+#include <recede/geometry/error.h>
 #include <recede/geometry/sample_models.h>
 #include <recede/lod/simplify.h>
 #include <recede/render/image_difference.h>
@@ -40,7 +41,7 @@ int main(int argc, char** argv) try {
             << difference.psnr << " dB\n";
   recede::write_png(argv[1],
                     recede::side_by_side(std::array{original, level, recede::heat_map(flip.map, 1)}));
-} catch (const std::exception& error) {
+} catch (const recede::Error& error) {
   std::cerr << error.what() << '\n';
   return 1;
 }

@@ -87,7 +87,7 @@ int main(int argc, char** argv) try {
   aside.field_of_view = 0.6;
   recede::write_png(argv[1], recede::side_by_side(
                                  std::array{picture_of(diced.soup, camera), picture_of(diced.soup, aside)}));
-} catch (const std::exception& error) {
+} catch (const recede::Error& error) {
   std::cerr << error.what() << '\n';
   return 1;
 }

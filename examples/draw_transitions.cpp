@@ -1,5 +1,6 @@
-// A torus of waves drawn by what each ray needs: true colours, false colours of the methods, and what each
-// costs. Then the same from farther and farther away.
+// draw_transitions METHODS.png WAY.png: a torus of waves drawn by what each ray needs: true colours, false
+// colours of the methods, and what each costs. Then the same from farther and farther away.
+#include <recede/geometry/error.h>
 #include <recede/render/appearance.h>
 #include <recede/render/method_shares.h>
 #include <recede/render/renderer.h>
@@ -79,7 +80,7 @@ std::array<recede::Image, 3> draw_three(const recede::Scene& scene, const recede
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 3) {
     std::cerr << "usage: draw_transitions METHODS.png WAY.png\n";
     return 2;
@@ -119,4 +120,7 @@ int main(int argc, char** argv) {
     columns.push_back(std::move(column));
   }
   recede::write_png(argv[2], recede::side_by_side(columns));
+} catch (const recede::Error& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

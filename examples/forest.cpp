@@ -1,5 +1,5 @@
-// forest OUTPUT.png [TREES]: thousands of trees in one picture, each by the billboards that its distance
-// needs.
+// forest OUTPUT.png [TREES]: thousands of trees in one picture, TREES (64) along a side of the forest, each
+// by the billboards that its distance needs.
 #include <recede/geometry/error.h>
 #include <recede/geometry/sample_models.h>
 #include <recede/lod/billboard_texture.h>
@@ -10,10 +10,10 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
 namespace {
 
@@ -103,15 +103,16 @@ void draw_forest(const char* file, int n_along) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::cerr << "usage: forest OUTPUT.png [TREES_ALONG_A_SIDE]\n";
+int main(int argc, char** argv) try {
+  if (argc != 2 && argc != 3) {
+    std::cerr << "usage: forest OUTPUT.png [TREES]\n";
     return 2;
   }
-  try {
-    draw_forest(argv[1], argc > 2 ? std::atoi(argv[2]) : 64);
-  } catch (const recede::Error& error) {
-    std::cerr << "forest: " << error.what() << '\n';
-    return 1;
-  }
+  draw_forest(argv[1], argc == 3 ? std::stoi(argv[2]) : 64);
+} catch (const std::logic_error&) {
+  std::cerr << "forest: TREES isn't a number\n";
+  return 2;
+} catch (const recede::Error& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

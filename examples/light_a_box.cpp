@@ -97,7 +97,7 @@ int main(int argc, char** argv) try {
   const std::vector<recede::PolygonSoup> room = make_room();
   const recede::Scene scene{std::span<const recede::PolygonSoup>(room)};
   recede::write_image(argv[1], recede::side_by_side(draw(scene, argc == 3 ? std::stod(argv[2]) : 0.01)));
-} catch (const std::invalid_argument&) {
+} catch (const std::logic_error&) {
   std::cerr << "light_a_box: NOISE isn't a number\n";
   return 2;
 } catch (const recede::Error& error) {

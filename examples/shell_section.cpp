@@ -220,7 +220,7 @@ int main(int argc, char** argv) try {
   }
   draw(argv[1], std::stod(argv[2]), argv[3]);
 } catch (const std::logic_error&) {
-  std::cerr << "shell_section: THICKNESS is a number\n";
+  std::cerr << "shell_section: THICKNESS isn't a number\n";
   return 2;
 } catch (const recede::Error& error) {
   std::cerr << error.what() << '\n';

@@ -10,7 +10,7 @@ import sys
 import recede
 
 
-def main(source: str, target: str, share: str) -> int:
+def main(source: str, target: str, share: float) -> int:
     folder = pathlib.Path(target)
     folder.mkdir(parents=True, exist_ok=True)
     failures = 0
@@ -20,7 +20,7 @@ def main(source: str, target: str, share: str) -> int:
             continue
         try:
             mesh = recede.read(path)
-            result = recede.simplify(mesh, relative_error=float(share))
+            result = recede.simplify(mesh, relative_error=share)
             recede.write(folder / (path.stem + ".ply"), result.mesh)
         except recede.Error as error:
             print(f"{path.name:32} {error}")
@@ -35,4 +35,8 @@ def main(source: str, target: str, share: str) -> int:
 if __name__ == "__main__":
     if len(sys.argv) != 4:
         sys.exit(__doc__)
-    sys.exit(main(*sys.argv[1:]))
+    try:
+        share = float(sys.argv[3])
+    except ValueError:
+        sys.exit(f"{sys.argv[3]} isn't a number")
+    sys.exit(main(sys.argv[1], sys.argv[2], share))

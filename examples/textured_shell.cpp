@@ -1,6 +1,6 @@
-// textured_shell TEXTURE OUTPUT.png [MODEL THICKNESS PERIODS]: a volume texture (chain-mail, weave, bark or
-// bubbles) in a shell around a torus, or around a model in a file: THICKNESS as a share of its longest side,
-// and PERIODS of the texture across its atlas.
+// textured_shell TEXTURE OUTPUT.png [MODEL THICKNESS PERIODS]: a volume texture (chain-mail, weave, bark,
+// bubbles or bushes) in a shell around a torus, or around a model in a file: THICKNESS as a share of its
+// longest side, and PERIODS of the texture across its atlas.
 #include <recede/geometry/chart_atlas.h>
 #include <recede/geometry/error.h>
 #include <recede/geometry/mesh_io.h>
@@ -12,9 +12,9 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <iostream>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 
 namespace {
@@ -59,58 +59,59 @@ ProceduralVolume volume_named(const std::string& name) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 3 && argc != 6) {
     std::cerr << "usage: textured_shell TEXTURE OUTPUT.png [MODEL THICKNESS PERIODS]\n";
     return 2;
   }
-  try {
-    const ProceduralVolume volume = volume_named(argv[1]);
-    // As many as make periods about as long both ways.
-    VolumeCoordinates coordinates{
-        .repeat = {std::round(30 / volume.extent.x()), std::round(12 / volume.extent.y())}};
-    double thickness = 0.06;
-    PolygonSoup base;
-    if (argc == 6) {
-      PolygonSoup model = read_soup(argv[3]);
-      merge_identical_vertices(model);
-      const AtlasResult atlas = make_atlas(model);
-      base = atlas.soup;
-      thickness = std::atof(argv[4]) * bounding_box(base).sizes().maxCoeff();
-      const double periods = std::atof(argv[5]);
-      coordinates.repeat = {periods, periods * volume.extent.x() / volume.extent.y()};
-    } else {
-      base = make_torus(96, 40);
-    }
-
-    Clock::time_point start = Clock::now();
-    PlacedVolume placed;
-    placed.textured.shell = std::make_shared<const Shell>(build_shell(base, {.thickness = thickness}));
-    std::cout << fmt::format("shell: {:.2f} s, {}\n", seconds_since(start),
-                             placed.textured.shell->is_valid() ? "valid" : "not valid");
-    start = Clock::now();
-    placed.textured.texture = std::make_shared<const VolumeMipmap>(make_mipmap(make_volume(volume, 64)));
-    placed.textured.coordinates = coordinates;
-    std::cout << fmt::format("texture: {:.2f} s\n", seconds_since(start));
-
-    start = Clock::now();
-    const bool is_metal = volume.color == nullptr;
-    placed.color = is_metal ? Rgb(0.62f, 0.63f, 0.66f) : Rgb(0.7f, 0.7f, 0.7f);
-    PolygonSoup solid = base;
-    solid.materials.assign(1, Material{});
-    solid.materials[0].base_color = is_metal ? Vec4(0.25, 0.08, 0.07, 1) : Vec4(0.12, 0.10, 0.09, 1);
-    solid.face_materials.assign(solid.n_faces(), 0);
-    const Camera camera = camera_in_front(base.positions, Vec3::UnitY(), std::numbers::pi / 6, 800, 600);
-    placed.view = volume_view(camera);
-    const Scene scene(std::span(&solid, 1), std::span<const PlacedVolume>(&placed, 1));
-    std::cout << fmt::format("scene: {:.2f} s\n", seconds_since(start));
-    start = Clock::now();
-    const Image image = render(scene, camera, {.samples_per_pixel = 4});
-    std::cout << fmt::format("picture: {:.2f} s\n", seconds_since(start));
-    write_image(argv[2], image);
-  } catch (const std::exception& error) {
-    std::cerr << error.what() << '\n';
-    return 1;
+  const ProceduralVolume volume = volume_named(argv[1]);
+  // As many as make periods about as long both ways.
+  VolumeCoordinates coordinates{
+      .repeat = {std::round(30 / volume.extent.x()), std::round(12 / volume.extent.y())}};
+  double thickness = 0.06;
+  PolygonSoup base;
+  if (argc == 6) {
+    thickness = std::stod(argv[4]);
+    const double periods = std::stod(argv[5]);
+    PolygonSoup model = read_soup(argv[3]);
+    merge_identical_vertices(model);
+    const AtlasResult atlas = make_atlas(model);
+    base = atlas.soup;
+    thickness *= bounding_box(base).sizes().maxCoeff();
+    coordinates.repeat = {periods, periods * volume.extent.x() / volume.extent.y()};
+  } else {
+    base = make_torus(96, 40);
   }
-  return 0;
+
+  Clock::time_point start = Clock::now();
+  PlacedVolume placed;
+  placed.textured.shell = std::make_shared<const Shell>(build_shell(base, {.thickness = thickness}));
+  std::cout << fmt::format("shell: {:.2f} s, {}\n", seconds_since(start),
+                           placed.textured.shell->is_valid() ? "valid" : "not valid");
+  start = Clock::now();
+  placed.textured.texture = std::make_shared<const VolumeMipmap>(make_mipmap(make_volume(volume, 64)));
+  placed.textured.coordinates = coordinates;
+  std::cout << fmt::format("texture: {:.2f} s\n", seconds_since(start));
+
+  start = Clock::now();
+  const bool is_metal = volume.color == nullptr;
+  placed.color = is_metal ? Rgb(0.62f, 0.63f, 0.66f) : Rgb(0.7f, 0.7f, 0.7f);
+  PolygonSoup solid = base;
+  solid.materials.assign(1, Material{});
+  solid.materials[0].base_color = is_metal ? Vec4(0.25, 0.08, 0.07, 1) : Vec4(0.12, 0.10, 0.09, 1);
+  solid.face_materials.assign(solid.n_faces(), 0);
+  const Camera camera = camera_in_front(base.positions, Vec3::UnitY(), std::numbers::pi / 6, 800, 600);
+  placed.view = volume_view(camera);
+  const Scene scene(std::span(&solid, 1), std::span<const PlacedVolume>(&placed, 1));
+  std::cout << fmt::format("scene: {:.2f} s\n", seconds_since(start));
+  start = Clock::now();
+  const Image image = render(scene, camera, {.samples_per_pixel = 4});
+  std::cout << fmt::format("picture: {:.2f} s\n", seconds_since(start));
+  write_image(argv[2], image);
+} catch (const std::logic_error&) {
+  std::cerr << "textured_shell: THICKNESS and PERIODS are numbers\n";
+  return 2;
+} catch (const recede::Error& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

@@ -1,6 +1,7 @@
-// A sphere with a rough height map, traced without tessellation: what it costs, what a ray meets, and a
-// picture.
+// trace_displaced PICTURE.png: a sphere with a rough height map, traced without tessellation: what it costs,
+// what a ray meets, and a picture.
 #include <recede/geometry/chart_atlas.h>
+#include <recede/geometry/error.h>
 #include <recede/geometry/sample_models.h>
 #include <recede/render/displaced_mesh.h>
 #include <recede/render/image.h>
@@ -26,7 +27,7 @@ recede::DisplacementMap make_ripples(int size) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   if (argc != 2) {
     std::cerr << "usage: trace_displaced PICTURE.png\n";
     return 2;
@@ -51,4 +52,7 @@ int main(int argc, char** argv) {
   rendering.transport = recede::LightTransport::direct;
   rendering.lighting = recede::daylight();
   recede::write_png(argv[1], recede::render(scene, camera, rendering));
+} catch (const recede::Error& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

@@ -1,4 +1,5 @@
 // `recede atlas` from file to file.
+#include "pictures.h"
 #include "run_recede.h"
 #include <recede/geometry/mesh_io.h>
 
@@ -6,6 +7,7 @@ namespace recede::test {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(AtlasCommand, GivesOneToOneTextureCoordinates) {
@@ -36,6 +38,32 @@ TEST(AtlasCommand, GivesOneToOneTextureCoordinates) {
   EXPECT_LT(area, 1);
   const json fewer = json_of(run_recede({"atlas", sphere, "-o", out, "--bend-limit", "0.02", "--json"}));
   EXPECT_GT(fewer.at("charts").size(), charts.size());
+}
+
+TEST(AtlasCommand, CountsBordersApartFromEdgesOfThreeFaces) {
+  const TempFolder folder;
+  const std::string book =
+      folder.write("book.obj", "v 0 0 0\nv 0 1 0\nv 1 0 0\nv -1 0 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const json result = json_of(run_recede({"atlas", book, "-o", folder / "out.obj", "--json"}));
+  EXPECT_EQ(result.at("border_edges"), 6);
+  EXPECT_EQ(result.at("non_manifold_edges"), 1);
+}
+
+TEST(AtlasCommand, PrintsTheShareThatIsCoveredAndWhatIsLeftOut) {
+  const TempFolder folder;
+  folder.write("skin.png", encode_png(four_colors()));
+  folder.write("skin.mtl", "newmtl skin\nmap_Kd skin.png\n");
+  const std::string square =
+      folder.write("square.obj",
+                   "mtllib skin.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\n"
+                   "vt 1 1\nvt 0 1\nusemtl skin\nf 1/1 2/2 3/3 4/4\n");
+  const std::string out = folder / "out.stl";
+  const CommandResult run = run_recede({"atlas", square, "-o", out});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.remarks,
+              AllOf(HasSubstr("square.obj: its textures don't fit the new coordinates and are left out"),
+                    HasSubstr("out.stl: written without texture coordinates")));
+  EXPECT_THAT(run.output, testing::ContainsRegex("texels       1024 a side, 9[0-9]\\.[0-9] % covered"));
 }
 
 TEST(AtlasCommand, RefusesWhatItCannotDo) {

@@ -96,6 +96,56 @@ TEST(BakeCommand, SaysInTextWhatServesFarAway) {
                         "for pictures 1080 pixels high, 45 degrees, pixel error 1.\n"));
 }
 
+TEST(BakeCommand, PrintsSharesMapsAndPlacesAndWhatReadingRepaired) {
+  const TempFolder folder;
+  write_soup(folder / "ball.obj", read_soup(write_sphere(folder, 500)));
+  const std::string twice =
+      folder.write("ball.obj", read_whole_file(folder / "ball.obj") + "v 9 9 9\nv 9 9 9\n");
+  std::vector<std::string> arguments{"bake",
+                                     twice,
+                                     "-o",
+                                     folder / "out",
+                                     "--ratios",
+                                     "0.3",
+                                     "--no-billboards",
+                                     "--maps",
+                                     "normal,displacement",
+                                     "--map-size",
+                                     "64"};
+  const CommandResult run = run_recede(arguments);
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.remarks, HasSubstr("recede: merge_identical_vertices: "));
+  arguments.emplace_back("--json");
+  const json result = json_of(run_recede(arguments));
+  const json& level = result.at("levels")[1];
+  const double bound = level.at("error").at("bound"), share = level.at("error").at("bound_relative");
+  EXPECT_THAT(run.output,
+              testing::AllOf(
+                  HasSubstr(fmt::format("{:.3g} ({:.2g} %)", bound, 100 * share)),
+                  HasSubstr("new: no texture coordinates\n"),
+                  HasSubstr(fmt::format("{:.3g}", level.at("maps").at("displaced").at("rms").get<double>())),
+                  HasSubstr("hierarchy  " + result.at("hierarchy").get<std::string>() + "\n"),
+                  HasSubstr("report     " + result.at("report").get<std::string>() + "\n")));
+}
+
+TEST(BakeCommand, TurnsThePicturesOfTheReportAndLeavesTheViewerOut) {
+  const TempFolder folder;
+  const auto report = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--ratios", "0.3", "--no-billboards"});
+    bake_sphere(folder, more);
+    return read_whole_file(folder / "out/report.html");
+  };
+  const auto first_picture = [](const std::string& html) {
+    const std::size_t at = html.find("data:image/png;base64,");
+    EXPECT_NE(at, html.npos);
+    return html.substr(at, html.find('"', at) - at);
+  };
+  const std::string upright = report({});
+  EXPECT_EQ(first_picture(report({"--up", "y", "--viewer-triangles", "0"})), first_picture(upright));
+  EXPECT_THAT(read_whole_file(folder / "out/report.html"), testing::Not(HasSubstr("id=\"viewer-canvas\"")));
+  EXPECT_NE(first_picture(report({"--up", "x"})), first_picture(upright));
+}
+
 TEST(BakeCommand, KeepsTheCertifiedBoundsThatErrorsAskFor) {
   const TempFolder folder;
   const json levels = bake_sphere(folder, {"--errors", "0.02", "0.08", "--no-report"}).at("levels");
@@ -276,10 +326,15 @@ TEST(BakeCommand, SaysThatThereAreNoColoursToBakeAndRefusesUnknownMaps) {
                                         "normal,color", "--map-size", "64"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.remarks, HasSubstr("has no colours to bake"));
-  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "height"}), 2);
-  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-size", "1"}), 2);
-  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-format", "tiff"}), 2);
-  complaint_of(run_recede({"bake", sphere, "-o", out, "--maps", "normal", "--map-seam-weight", "-1"}), 2);
+  const auto complaint = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"bake", sphere, "-o", out, "--maps", "normal"});
+    return complaint_of(run_recede(options), 2);
+  };
+  EXPECT_EQ(complaint({"--maps", "height"}),
+            "recede: --maps: height isn't one of normal, displacement, color");
+  EXPECT_EQ(complaint({"--map-size", "1"}), "recede: --map-size: 1 must be 4 to 16384");
+  EXPECT_EQ(complaint({"--map-format", "tiff"}), "recede: --map-format: tiff isn't one of png, exr");
+  EXPECT_EQ(complaint({"--map-seam-weight", "-1"}), "recede: --map-seam-weight: -1 must be at least 0");
 }
 
 TEST(BakeCommand, WritesTheSameLevelsForAnyNumberOfThreads) {

@@ -111,6 +111,31 @@ TEST_F(Batch, GoesOnAfterAFileThatFails) {
   EXPECT_THAT(counts(run_recede(arguments())), ElementsAre(1, 3, 1));
 }
 
+TEST_F(Batch, SaysHowManyInText) {
+  folder_.write("ball200.ply", "ply\nnonsense\n");
+  std::vector<std::string> words = arguments();
+  std::erase(words, "--json");
+  EXPECT_EQ(run_recede(words).output, "baked 4, done before 0, failed 1\n");
+}
+
+TEST_F(Batch, ReadsItsListFromStandardInput) {
+  EXPECT_EQ(complaint_of(run_recede({"batch", "-", "-o", folder_ / "out"}), 1),
+            "recede: -: no files in this list");
+}
+
+TEST_F(Batch, FinishesWhatCtrlCLeft) {
+  list_ = folder_.write("list.txt", text_ + "sphere\n");  // large enough to be interrupted
+  std::vector<std::string> words = arguments();
+  std::erase(words, "--json");
+  const CommandResult run = run_recede_on_terminal(words, "5 of 6");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.output, HasSubstr("baked 5, done before 0, failed 0\r\n"));
+  EXPECT_THAT(run.output, testing::EndsWith("recede: 1 of 6 assets are left\r\nrecede: cancelled\r\n"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/sphere/batch.json"));
+  list_ = folder_.write("list.txt", text_);
+  EXPECT_THAT(counts(run_recede(arguments())), ElementsAre(0, 5, 0));
+}
+
 TEST_F(Batch, EndsAtOnceWhereOptionsAreWrong) {
   const CommandResult run =
       run_recede({"batch", list_.string(), "-o", folder_ / "out", "--", "--ratios", "0.1", "0.5"});

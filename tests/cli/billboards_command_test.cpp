@@ -124,6 +124,8 @@ TEST(BillboardsCommand, WritesReflectanceThatRenderDraws) {
   EXPECT_EQ(written["file"], drawn + "/level_0.reflectance");
   EXPECT_LT(written["bytes"], written["raw_bytes"]);
   EXPECT_LT(written["rms"], 0.1);
+  EXPECT_THAT(json_of(run_recede({"info", drawn, "--json"}))["levels"][0]["also_holds"],
+              testing::ElementsAre("billboards", "reflectance"));
   const auto picture_of = [&](std::vector<std::string> options) {
     std::vector<std::string> command{
         "render",         drawn, "-o",         folder / "p.png", "--image-width", "30",

@@ -50,6 +50,9 @@ TEST_P(BadCadFile, IsNamedByEveryCommandThatDoesTheRest) {
   EXPECT_TRUE(level["missed"].empty());
   const CommandResult seams = run_recede({"seams", file, "--json"});
   expect_named(json_of(seams), seams);
+  const CommandResult walk = run_recede({"walk", file, "--frames", "2"});
+  EXPECT_EQ(walk.code, 0);
+  EXPECT_THAT(walk.remarks, HasSubstr(GetParam().reason));
 }
 
 TEST(BadCadInput, AStepFileWithoutOneEntityIsBakedWithoutTheFaceThatNeedsIt) {

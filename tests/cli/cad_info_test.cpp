@@ -1,5 +1,5 @@
 // What `recede info` says of CAD files.
-#include "cad_shapes.h"
+#include "cad_inputs.h"
 #include "run_recede.h"
 
 #include <cmath>
@@ -12,20 +12,9 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Two screws on a plate with four holes, of two colours.
-std::string write_assembly(const TempFolder& folder) {
-  const TopoDS_Shape screw = cad_screw();
-  write_step_assembly(folder / "assembly.step",
-                      {{cad_plate(2), "plate", {0, 0, 0}, {0.2, 0.3, 0.8}},
-                       {screw, "screw", {4, 4, 0}},
-                       {screw, "screw", {12, 4, 0}}},
-                      {screw});
-  return folder / "assembly.step";
-}
-
 TEST(CadInfo, CountsPartsAndPatches) {
   const TempFolder folder;
-  const nlohmann::json info = json_of(run_recede({"info", write_assembly(folder), "--json"}));
+  const nlohmann::json info = json_of(run_recede({"info", write_plate_with_screws(folder), "--json"}));
   EXPECT_EQ(info["metres_per_unit"], 1e-3);
   ASSERT_EQ(info["parts"].size(), 2u);
   EXPECT_EQ(info["parts"][0]["name"], "plate");
@@ -84,24 +73,14 @@ TEST(CadInfo, RefusesBadFilesInOneLine) {
   EXPECT_THAT(complaint_of(run_recede({"info", folder / "absent.iges"}), 1), HasSubstr("absent.iges"));
 }
 
-void collect_names(const nlohmann::json& value, std::set<std::string>& names) {
-  for (const auto& [name, field] : value.items()) {
-    if (value.is_object()) names.insert(name);
-    if (field.is_structured()) collect_names(field, names);
-  }
-}
-
 TEST(CadInfo, IsExplainedFieldByField) {
   const TempFolder folder;
   std::set<std::string> names;
-  collect_names(json_of(run_recede({"info", write_assembly(folder), "--json"})), names);
+  collect_fields(json_of(run_recede({"info", write_plate_with_screws(folder), "--json"})), names);
   write_brep(folder / "bad.brep", cad_square_with_inner_edge());
-  collect_names(json_of(run_recede({"info", folder / "bad.brep", "--json"})), names);
+  collect_fields(json_of(run_recede({"info", folder / "bad.brep", "--json"})), names);
   EXPECT_TRUE(names.contains("reason"));
-  const std::string page = read_whole_file(std::filesystem::path(RECEDE_SOURCE) / "docs/command-line.md");
-  for (const std::string& name : names) {
-    EXPECT_NE(page.find("`" + name + "`"), page.npos) << name << " isn't explained";
-  }
+  expect_explained(names);
 }
 
 }  // namespace

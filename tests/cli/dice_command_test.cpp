@@ -4,8 +4,6 @@
 #include <recede/geometry/mesh_io.h>
 #include <recede/geometry/raster.h>
 
-#include <fstream>
-
 namespace recede::test {
 namespace {
 
@@ -108,6 +106,19 @@ TEST(DiceCommand, MakesMoreAndSmallerTrianglesForSmallerPixelsAndKeepsClosedSurf
   EXPECT_LT(in_picture, everywhere);
   const json info = json_of(run_recede({"info", folder / "a.ply", "--json"}));
   EXPECT_EQ(info.at("border_edges"), 0);
+}
+
+TEST(DiceCommand, SaysWhichLevelItTookAndThatColoursAreLeftOut) {
+  const TempFolder folder;
+  const CommandResult level =
+      run_recede(small({"dice", bake_sphere(folder), "-o", folder / "a.ply", "--level", "2"}));
+  EXPECT_THAT(level.output, testing::StartsWith("level        2\n"));
+  const std::string colored = folder.write(
+      "colored.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3\n");
+  const CommandResult run =
+      run_recede(small({"dice", colored, "-o", folder / "a.ply", "--displacement-map", write_map(folder)}));
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.remarks, HasSubstr("recede: " + colored + ": the colours of its vertices are left out\n"));
 }
 
 TEST(DiceCommand, SaysWhatItCannotDice) {

@@ -3,6 +3,8 @@
 #include "run_recede.h"
 #include <recede/geometry/mesh_io.h>
 
+#include <algorithm>
+
 namespace recede::test {
 namespace {
 
@@ -114,6 +116,65 @@ TEST(ProgressiveCommand, LevelsBringThePicturesOfTheInput) {
   EXPECT_EQ(*read_soup(folder / "levels/level.glb").materials.at(0).base_color_picture, picture);
   std::filesystem::remove(folder / "levels/skin.png");
   EXPECT_THAT(run_recede(extract).remarks, HasSubstr("no picture of texture skin.png"));
+}
+
+TEST(ProgressiveCommand, PartsOfTheFileMakeTheWhole) {
+  const TempFolder folder;
+  const json built = write_pmesh_of_sphere(folder, {"--keep-numbering"});
+  std::size_t sum = 0;
+  for (const char* part : {"connectivity", "position", "attribute", "error", "numbering", "base"})
+    sum += built.at(std::string(part) + "_bytes").get<std::size_t>();
+  EXPECT_LE(sum, built.at("bytes"));
+  constexpr std::size_t k_most_of_headers = 200;
+  EXPECT_GT(sum + k_most_of_headers, built.at("bytes").get<std::size_t>());
+}
+
+TEST(ProgressiveCommand, AGeomorphTurnsOneLevelIntoAnother) {
+  const TempFolder folder;
+  write_pmesh_of_sphere(folder);
+  const json coarse = extract(folder, {"--faces", "200"});
+  const std::size_t n_coarse = read_soup(folder / "level.ply").positions.size();
+  const json fine = extract(folder, {"--faces", "1000"});
+  const json morph = extract(folder, {"--faces", "1000", "--morph-faces", "200"});
+  for (const char* field : {"faces", "vertices", "splits", "level_error"})
+    EXPECT_EQ(morph.at(field), fine.at(field)) << field;
+  EXPECT_EQ(morph.at("coarse_faces"), coarse.at("faces"));
+  EXPECT_EQ(morph.at("coarse_splits"), coarse.at("splits"));
+  EXPECT_EQ(morph.at("coarse_error"), coarse.at("level_error"));
+  const PolygonSoup soup = read_soup(folder / "level.ply");
+  double last_parent = 0;
+  for (const VertexScalar& scalar : soup.vertex_scalars) {
+    if (scalar.name == "parent") last_parent = *std::max_element(scalar.values.begin(), scalar.values.end());
+  }
+  EXPECT_EQ(last_parent, n_coarse - 1);
+}
+
+TEST(ProgressiveCommand, AViewGetsItsPixelErrorWithFewerFaces) {
+  const TempFolder folder;
+  const json built = write_pmesh_of_sphere(folder);
+  const auto view = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"--eye", "0", "0", "40"});
+    return extract(folder, more);
+  };
+  const json one = view({}), four = view({"--pixel-error", "4"});
+  EXPECT_LT(one.at("faces"), built.at("faces"));
+  EXPECT_LT(four.at("faces"), one.at("faces"));
+  EXPECT_LE(one.at("pixel_error"), 1);
+  EXPECT_GT(four.at("pixel_error"), 1);
+  EXPECT_LE(four.at("pixel_error"), 4);
+  EXPECT_EQ(view({"--look-at", "0", "0", "0"}).at("faces"), one.at("faces"))
+      << "the middle of the box, nearly";
+  EXPECT_LT(view({"--look-at", "0", "0", "80"}).at("faces"), four.at("faces")) << "behind the camera";
+}
+
+TEST(ProgressiveCommand, SaysInTextWhetherErrorsAreCertified) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 200), file = folder / "a.pmesh";
+  EXPECT_THAT(run_recede({"progressive", sphere, "-o", file}).output, HasSubstr(" %), certified\n"));
+  EXPECT_THAT(run_recede({"extract", file, "-o", folder / "a.ply"}).output,
+              HasSubstr("error        0, certified\n"));
+  EXPECT_THAT(run_recede({"progressive", sphere, "-o", file, "--no-measure"}).output,
+              HasSubstr(" %), estimated\n"));
 }
 
 TEST(ProgressiveCommand, WithoutMeasuringErrorsAreEstimates) {

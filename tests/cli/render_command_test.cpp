@@ -289,6 +289,57 @@ TEST(RenderCommand, RefusesWhatItCannotDraw) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(TurntableCommand, SaysWhereTheLevelChanges) {
+  const TempFolder folder;
+  const CommandResult run =
+      run_recede({"turntable", bake_sphere(folder), "-o", folder / "frames", "--frames", "3", "--eye",
+                  "0,0,1.5", "--pixel-error", "0.02", "--until-distance", "1000", "--samples", "1",
+                  "--image-width", "8", "--image-height", "8"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.output, testing::ContainsRegex(
+                              "frames       3 in .*\nfrom    0    level 0, 20[0-9][0-9] faces\nfrom "));
+}
+
+TEST(RenderCommand, SaysWhatReadingRepairedAndWhichMethodsItTook) {
+  const TempFolder folder;
+  const std::string square = folder.write("square.obj",
+                                          "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nvt 0 0\nvt 1 0\nvt 1 "
+                                          "1\nvt 0 1\nf 1/1 2/2 3/3\nf 5/1 3/3 4/4\n");
+  Raster heights{.width = 8, .height = 8, .channels = 1, .bits = 8, .srgb = false, .samples = {}};
+  for (int k = 0; k < 64; ++k) heights.samples.push_back(static_cast<std::uint16_t>(k % 2 * 200));
+  const std::string map = folder.write("map.png", encode_png(heights));
+  const auto draw = [&](std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"render", square, "-o", folder / "a.png", "--image-width", "8", "--image-height", "8"});
+    const CommandResult run = run_recede(more);
+    EXPECT_EQ(run.code, 0) << run.remarks;
+    return run;
+  };
+  EXPECT_THAT(draw({}).remarks, HasSubstr("recede: merge_identical_vertices: "));
+  EXPECT_THAT(
+      draw({"--displacement-map", map, "--displacement-scale", "0.01", "--appearance", "bump"}).output,
+      testing::ContainsRegex("methods      bump [0-9.]+ %\n"));
+}
+
+TEST(RenderCommand, DrawsWhatIsUnderAShellWithoutItsTexture) {
+  const TempFolder folder;
+  const std::string sphere = write_sphere(folder, 300), shell = folder / "a.shell";
+  ASSERT_EQ(run_recede({"shell", sphere, "-o", shell, "--thickness", "0.1", "--texture", "chain-mail",
+                        "--texels", "8"})
+                .code,
+            0);
+  const auto draw = [&](const std::string& input, std::vector<std::string> more) {
+    more.insert(more.begin(),
+                {"render", input, "-o", folder / "a.exr", "--image-width", "32", "--image-height", "32"});
+    const CommandResult run = run_recede(more);
+    EXPECT_EQ(run.code, 0) << run.remarks;
+    return read_image(folder / "a.exr");
+  };
+  const Image bare = draw(shell, {"--no-maps"});
+  EXPECT_LT(compare_images(bare, draw(sphere, {})).rmse, 0.01);
+  EXPECT_GT(compare_images(bare, draw(shell, {})).rmse, 0.02);
+}
+
 TEST(TurntableCommand, GoesAwayOverTheLevels) {
   const TempFolder folder;
   const json result = json_of(run_recede({"turntable",

@@ -86,10 +86,6 @@ class Terminal {
   int file_, child_side_ = -1;
 };
 
-}  // namespace
-
-namespace {
-
 /// `meanwhile` gets the process.
 template <typename Meanwhile>
 CommandResult run_into_files(const std::vector<std::string>& arguments, Meanwhile&& meanwhile) {
@@ -150,6 +146,32 @@ std::string complaint_of(const CommandResult& run, int code) {
   EXPECT_EQ(std::count(run.remarks.begin(), run.remarks.end(), '\n'), 1) << run.remarks;
   EXPECT_THAT(run.remarks, testing::EndsWith("\n"));
   return run.remarks.substr(0, run.remarks.find('\n'));
+}
+
+void expect_error_fields(const nlohmann::json& error, double diagonal) {
+  EXPECT_GT(error.at("rms").get<double>(), 0);
+  EXPECT_GE(error.at("max").get<double>(), error.at("rms").get<double>());
+  EXPECT_GE(error.at("bound").get<double>(), error.at("max").get<double>());
+  for (const std::string name : {"max", "rms", "bound"}) {
+    EXPECT_DOUBLE_EQ(error.at(name + "_relative").get<double>(), error.at(name).get<double>() / diagonal);
+  }
+}
+
+void collect_fields(const nlohmann::json& value, std::set<std::string>& names) {
+  if (value.is_object()) {
+    for (const auto& [name, field] : value.items()) names.insert(name);
+  }
+  for (const auto& field : value) {
+    if (field.is_structured()) collect_fields(field, names);
+  }
+}
+
+void expect_explained(const std::set<std::string>& fields) {
+  EXPECT_FALSE(fields.empty());
+  const std::string page = read_whole_file(fs::path(RECEDE_SOURCE) / "docs/command-line.md");
+  for (const std::string& field : fields) {
+    EXPECT_NE(page.find("`" + field + "`"), page.npos) << field << " isn't explained";
+  }
 }
 
 std::vector<std::string> names_below(const fs::path& folder) {

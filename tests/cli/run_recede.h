@@ -9,10 +9,16 @@
 
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace recede::test {
+
+/// All commands, in the order of `recede --help`.
+inline constexpr const char* k_commands[] = {
+    "bake",      "batch", "simplify", "compare", "diff",        "atlas",   "billboards", "shell",     "carve",
+    "subdivide", "seams", "walk",     "info",    "progressive", "extract", "render",     "turntable", "dice"};
 
 struct CommandResult {
   int code = -1;                ///< exit code; 128 + signal when a signal ended the process
@@ -36,6 +42,15 @@ nlohmann::json json_of(const CommandResult& run);
 
 /// Expects the exit code and exactly one line on standard error, `recede: ...`. Returns that line.
 std::string complaint_of(const CommandResult& run, int code);
+
+/// Expects the fields of an error, from the largest to the smallest, with their shares of the diagonal.
+void expect_error_fields(const nlohmann::json& error, double diagonal);
+
+/// Adds the names of all fields in a document, whatever their depth.
+void collect_fields(const nlohmann::json& value, std::set<std::string>& names);
+
+/// Expects docs/command-line.md to explain each of these fields.
+void expect_explained(const std::set<std::string>& fields);
 
 /// Names of everything below a folder, relative to it, sorted; empty when there is no such folder.
 std::vector<std::string> names_below(const std::filesystem::path& folder);

@@ -1,3 +1,4 @@
+#include "control_meshes.h"
 #include "run_recede.h"
 #include "temp_folder.h"
 #include <recede/geometry/alpha_wrap.h>
@@ -9,6 +10,11 @@ namespace recede::test {
 namespace {
 
 using testing::HasSubstr;
+
+/// Two triangles that meet in their middles, as `cross.obj`.
+void write_cross(const TempFolder& folder) {
+  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+}
 
 TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
   const TempFolder folder;
@@ -27,9 +33,7 @@ TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
 
 TEST(ShellCommand, KeepsDirectorsOnDemand) {
   const TempFolder folder;
-  folder.write("cube.obj",
-               "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
-               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  write_soup(folder / "cube.obj", control_cube());
   std::vector<std::string> arguments{"shell",  folder / "cube.obj", "--thickness", "0.2",
                                      "--side", "interior",          "--json"};
   const nlohmann::json thick = json_of(run_recede(arguments))["interior"];
@@ -40,6 +44,18 @@ TEST(ShellCommand, KeepsDirectorsOnDemand) {
   const nlohmann::json thin = json_of(run_recede(arguments))["interior"];
   EXPECT_FALSE(thin["is_of_normals"]);
   EXPECT_LT(thin["thickness"]["mean"], 0.4);
+}
+
+TEST(ShellCommand, PrintsWherePlainNormalsTookThePlaceOfDirectors) {
+  const TempFolder folder;
+  write_soup(folder / "cube.obj", control_cube());
+  std::vector<std::string> arguments{"shell",  folder / "cube.obj", "--thickness", "0.2",
+                                     "--side", "interior"};
+  EXPECT_THAT(run_recede(arguments).output,
+              HasSubstr("plain normals, which are longer on average and valid\n"));
+  arguments.emplace_back("--keep-directors");
+  const std::string text = run_recede(arguments).output;
+  EXPECT_THAT(text, testing::Not(HasSubstr("plain normals")));
 }
 
 TEST(ShellCommand, SaysWhatIsWrongWithoutRepair) {
@@ -54,7 +70,7 @@ TEST(ShellCommand, SaysWhatIsWrongWithoutRepair) {
 
 TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
   const TempFolder folder;
-  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+  write_cross(folder);
   const CommandResult run = run_recede({"shell", folder / "cross.obj", "--thickness", "0.1"});
   EXPECT_EQ(run.code, 0);
   EXPECT_THAT(run.remarks, HasSubstr("meets itself"));
@@ -68,7 +84,7 @@ TEST(ShellCommand, NamesASurfaceThatMeetsItself) {
 
 TEST(ShellCommand, WritesWhatIsNotValidOnDemandOnly) {
   const TempFolder folder;
-  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+  write_cross(folder);
   const std::string out = folder / "shell.ply";
   std::vector<std::string> arguments{"shell", folder / "cross.obj", "--thickness", "0.1", "-o", out,
                                      "--json"};
@@ -88,7 +104,7 @@ TEST(ShellCommand, WritesWhatIsNotValidOnDemandOnly) {
 
 TEST(ShellCommand, WrapsWhatMeetsItself) {
   const TempFolder folder;
-  folder.write("cross.obj", "v -1 0 0\nv 1 0 0\nv 0 2 0\nv 0 1 -1\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 4 5 6\n");
+  write_cross(folder);
   const CommandResult run =
       run_recede({"shell", folder / "cross.obj", "--thickness", "0.1", "--json", "--wrap", "0.05"});
   if (!can_alpha_wrap()) {
@@ -103,9 +119,7 @@ TEST(ShellCommand, WrapsWhatMeetsItself) {
 
 TEST(ShellCommand, BuildsTheShellOfALimitSurface) {
   const TempFolder folder;
-  folder.write("cube.obj",
-               "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
-               "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+  write_soup(folder / "cube.obj", control_cube());
   const std::vector<std::string> arguments{
       "shell", folder / "cube.obj", "--thickness", "0.2", "--json", "--subdivision-level", "3"};
   const auto with = [&](std::vector<std::string> more) {
@@ -141,7 +155,7 @@ TEST(ShellCommand, SaysWhatCantBe) {
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--relative-thickness", "3"}), 2),
               HasSubstr("diagonal"));
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "--power", "2"}), 2),
-              HasSubstr("p"));
+              HasSubstr("p must be above 2"));
   EXPECT_THAT(complaint_of(run_recede({"shell", "sphere", "--thickness", "0.1", "-o", "shell.doc"}), 1),
               HasSubstr("shell.doc"));
 }

@@ -69,6 +69,18 @@ TEST(SubdivideCommand, KeepsSharpEdgesAndBorders) {
               HasSubstr("6 polygons were cut into triangles"));
 }
 
+TEST(SubdivideCommand, PrintsWhatItMadeAndWhatReadingRepaired) {
+  const TempFolder folder;
+  std::string text = read_whole_file(write_cube(folder)) + "v 1 1 1\n";  // a vertex twice
+  const CommandResult run = run_recede({"subdivide", folder.write("cube.obj", text), "-o", folder / "out.ply",
+                                        "--subdivision-level", "2", "--crease-angle", "60"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.remarks, HasSubstr("recede: merge_identical_vertices: "));
+  EXPECT_THAT(run.output,
+              testing::AllOf(HasSubstr("faces        6 -> 96, level 2\n"),
+                             HasSubstr("vertices     8 -> 98\n"), HasSubstr("creases      12 edges\n")));
+}
+
 TEST(SubdivideCommand, RefusesWhatItCannotDo) {
   const TempFolder folder;
   const std::string cube = write_cube(folder), out = folder / "out.ply";

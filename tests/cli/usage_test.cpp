@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
+
 namespace recede::test {
 namespace {
 
@@ -12,10 +14,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 class EveryCommand : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand,
-                         testing::Values("atlas", "bake", "batch", "billboards", "carve", "simplify",
-                                         "compare", "diff", "info", "progressive", "extract", "render",
-                                         "turntable", "dice", "subdivide", "seams", "shell", "walk"),
+INSTANTIATE_TEST_SUITE_P(Usage, EveryCommand, testing::ValuesIn(k_commands),
                          [](const auto& tested) { return std::string(tested.param); });
 
 TEST_P(EveryCommand, HelpsWithAnExampleAndTheCommonOptions) {
@@ -37,8 +36,13 @@ TEST_P(EveryCommand, HelpsInWordsInsteadOfTypes) {
 }
 
 TEST_P(EveryCommand, RefusesAnUnknownOptionByName) {
-  EXPECT_THAT(complaint_of(run_recede({GetParam(), "--frobnicate"}), 2), Not(HasSubstr("Run with")));
-  EXPECT_THAT(complaint_of(run_recede({"info", "teapot", "--frobnicate"}), 2), HasSubstr("--frobnicate"));
+  // With as many arguments as any command needs, in files that would be written if it were known.
+  const std::string command = GetParam();
+  std::vector<std::string> arguments{command, "a", "-o", "b"};
+  if (command == "compare" || command == "diff") arguments.insert(arguments.begin() + 2, "c");
+  if (command == "compare" || command == "info") arguments.resize(arguments.size() - 2);
+  arguments.emplace_back("--frobnicate");
+  EXPECT_EQ(complaint_of(run_recede(arguments), 2), "recede: " + command + " has no option --frobnicate");
 }
 
 TEST_P(EveryCommand, AsksForItsArguments) {
@@ -49,11 +53,12 @@ TEST_P(EveryCommand, AsksForItsArguments) {
 TEST(Usage, OfTheWholeCommandNamesTheCommands) {
   const CommandResult run = run_recede({"--help"});
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(run.output,
-              AllOf(HasSubstr("atlas"), HasSubstr("bake"), HasSubstr("billboards"), HasSubstr("carve"),
-                    HasSubstr("simplify"), HasSubstr("compare"), HasSubstr("diff"), HasSubstr("info"),
-                    HasSubstr("progressive"), HasSubstr("extract"), HasSubstr("render"),
-                    HasSubstr("turntable"), HasSubstr("dice"), HasSubstr("subdivide")));
+  std::istringstream lines(run.output.substr(run.output.find("\nCommands:\n") + 1));
+  std::vector<std::string> names;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  ")) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  EXPECT_THAT(names, testing::ElementsAreArray(k_commands));
 }
 
 TEST(Usage, HelpsWithKindsOfValuesAndTheirRanges) {
@@ -148,7 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
                  {"render", "teapot", "--samples", "70000"},
                  "--samples: 70000 must be 1 to 65536"},
         BadValue{"WrapThatIsNoNumber", {"shell", "--wrap", "teapot"}, "--wrap: teapot isn't a number"},
-        BadValue{"RatioThatIsNoNumber", {"simplify", "teapot", "--ratio", "half"}, "--ratio"},
+        BadValue{
+            "RatioThatIsNoNumber", {"simplify", "teapot", "--ratio", "half"}, "--ratio: half isn't a number"},
         BadValue{"RatioWithoutNumber",
                  {"simplify", "teapot", "--ratio"},
                  "--ratio needs a value: at most this share"},
@@ -156,36 +162,51 @@ INSTANTIATE_TEST_SUITE_P(
         BadValue{"RatioTwice",
                  {"simplify", "teapot", "--ratio", "0.5", "--ratio", "0.6"},
                  "--ratio is given more than once"},
-        BadValue{"RatioAboveOne", {"simplify", "teapot", "--ratio", "2"}, "ratio"},
-        BadValue{"NoFaces", {"simplify", "teapot", "--faces", "0"}, "face"},
-        BadValue{"NegativeError", {"simplify", "teapot", "--error", "-1"}, "error"},
+        BadValue{"RatioAboveOne", {"simplify", "teapot", "--ratio", "2"}, "the ratio must lie in (0, 1]"},
+        BadValue{"NoFaces", {"simplify", "teapot", "--faces", "0"}, "the face target must be positive"},
+        BadValue{"NegativeError",
+                 {"simplify", "teapot", "--error", "-1"},
+                 "the error target must not be negative"},
         BadValue{"UnknownCost", {"simplify", "teapot", "--cost", "beauty"}, "volume, normal_deviation"},
         BadValue{"CostByNumber", {"simplify", "teapot", "--cost", "1"}, "volume, normal_deviation"},
         BadValue{"UnknownPlacement", {"simplify", "teapot", "--placement", "near"}, "half_edge"},
         BadValue{"OptimalPlacementWithoutQuadrics",
                  {"simplify", "teapot", "--cost", "normal_deviation", "--placement", "optimal"},
-                 "volume"},
-        BadValue{"FeatureAngleAbove180", {"simplify", "teapot", "--feature-angle", "200"}, "--feature-angle"},
-        BadValue{"NegativeThreads", {"simplify", "teapot", "--threads", "-1"}, "--threads"},
-        BadValue{"ThreadsThatAreNoNumber", {"simplify", "teapot", "--threads", "many"}, "--threads"},
-        BadValue{"RisingRatios", {"bake", "teapot", "--ratios", "0.1", "0.5"}, "decrease"},
-        BadValue{"FallingErrors", {"bake", "teapot", "--errors", "0.5", "0.1"}, "increase"},
-        BadValue{"NegativeRelativeError", {"bake", "teapot", "--relative-errors", "-1"}, "positive"},
+                 "placement optimal needs the cost volume"},
+        BadValue{"FeatureAngleAbove180",
+                 {"simplify", "teapot", "--feature-angle", "200"},
+                 "--feature-angle: 200 must be 0 to 180"},
+        BadValue{
+            "NegativeThreads", {"simplify", "teapot", "--threads", "-1"}, "--threads: -1 must be 0 to 1024"},
+        BadValue{"ThreadsThatAreNoNumber",
+                 {"simplify", "teapot", "--threads", "many"},
+                 "--threads: many isn't a number"},
+        BadValue{"RisingRatios", {"bake", "teapot", "--ratios", "0.1", "0.5"}, "ratios must decrease"},
+        BadValue{"FallingErrors", {"bake", "teapot", "--errors", "0.5", "0.1"}, "errors must increase"},
+        BadValue{"NegativeRelativeError",
+                 {"bake", "teapot", "--relative-errors", "-1"},
+                 "relative errors must be positive"},
         BadValue{"TwoWaysToChooseLevels", {"bake", "teapot", "--ratios", "0.5", "--errors", "1"}, "--errors"},
         BadValue{"NoPixels", {"bake", "teapot", "--image-height", "0"}, "image height"},
         BadValue{"FieldOfViewOfAHalfTurn", {"bake", "teapot", "--field-of-view", "180"}, "field of view"},
         BadValue{"NoPixelError", {"bake", "teapot", "--pixel-error", "0"}, "pixel error"},
         BadValue{"UnknownKindOfMap", {"diff", "a.png", "b.png", "--map", "beauty"}, "flip, ssim, difference"},
-        BadValue{"NoPixelsPerDegree", {"diff", "a.png", "b.png", "--pixels-per-degree", "0"}, "--pixels"},
-        BadValue{"LimitAboveOne", {"diff", "a.png", "b.png", "--fail-above", "2"}, "--fail-above"},
+        BadValue{"NoPixelsPerDegree",
+                 {"diff", "a.png", "b.png", "--pixels-per-degree", "0"},
+                 "--pixels-per-degree: 0 must be 1 to 1000"},
+        BadValue{"LimitAboveOne",
+                 {"diff", "a.png", "b.png", "--fail-above", "2"},
+                 "--fail-above: 2 must be 0 to 1"},
         BadValue{"UnknownFootprint", {"dice", "teapot", "--footprint", "round"}, "by_side, mean, none"},
-        BadValue{"PictureWithoutPixels", {"dice", "teapot", "--image-width", "0"}, "--image-width"},
+        BadValue{"PictureWithoutPixels",
+                 {"dice", "teapot", "--image-width", "0"},
+                 "--image-width: 0 must be 1 to 32768"},
         BadValue{"MeshWithoutHeights", {"dice", "teapot"}, "--displacement-map"},
         BadValue{
             "LevelAboveTen", {"subdivide", "teapot", "--subdivision-level", "11"}, "--subdivision-level"},
         BadValue{
             "SharpnessWithoutAngle", {"subdivide", "teapot", "--crease-sharpness", "1"}, "--crease-angle"},
-        BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up"}),
+        BadValue{"UnknownAxis", {"bake", "teapot", "--up", "w"}, "--up: w isn't one of x, y, z"}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST_P(BadValues, AreWrongUsageAndWriteNothing) {

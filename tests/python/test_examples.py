@@ -4,6 +4,8 @@ import pathlib
 import subprocess
 import sys
 
+import pytest
+
 import recede
 
 EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
@@ -36,5 +38,23 @@ def test_growing_bushes(tmp_path):
 
 
 def test_simplify_folder(tmp_path):
-    recede.write(tmp_path / "ball.ply", recede.make_displaced_sphere(2000))
-    assert "ball" in run("simplify_folder.py", tmp_path, tmp_path / "out", 0.01)
+    ball = recede.make_displaced_sphere(2000)
+    recede.write(tmp_path / "ball.ply", ball)
+    line = run("simplify_folder.py", tmp_path, tmp_path / "out", 0.01).splitlines()[1].split()
+    small = recede.read(tmp_path / "out/ball.ply")
+    assert line[:3] == ["ball.ply", str(ball.n_faces), str(small.n_faces)] and small.n_faces < ball.n_faces
+    assert float(line[3]) <= 0.01
+
+
+@pytest.mark.parametrize("script", sorted(path.name for path in EXAMPLES.glob("*.py")))
+def test_each_asks_for_its_arguments(script):
+    if script == "bake_with_dask.py":
+        pytest.importorskip("distributed")
+    asked = subprocess.run([sys.executable, EXAMPLES / script], capture_output=True, text=True)
+    assert asked.returncode != 0 and asked.stdout == "" and script in asked.stderr and "Traceback" not in asked.stderr
+
+
+def test_a_share_that_is_no_number_is_refused_in_a_line(tmp_path):
+    asked = subprocess.run([sys.executable, EXAMPLES / "simplify_folder.py", tmp_path, tmp_path / "out", "half"],
+                           capture_output=True, text=True)
+    assert asked.returncode != 0 and asked.stderr == "half isn't a number\n"
