@@ -88,6 +88,12 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     if (const CLI::Option* option = command.get_option_no_throw(name))
       return fmt::format("{} needs {}: {}", command.get_name(), name, option->get_description());
   }
+  if (const std::string_view several = "Requires at most 1 options be given from [";
+      text.starts_with(several)) {
+    std::string names = text.substr(several.size(), text.size() - several.size() - 1);
+    for (std::size_t at = 0; (at = names.find(',', at)) != names.npos; at += 2) names.replace(at, 1, ", ");
+    return fmt::format("only one of {} may be given", names);
+  }
   if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch)) {
     const std::string name = text.substr(0, text.find(':'));
     if (text.find(" At Most ") != text.npos) return fmt::format("{} is given more than once", name);

@@ -21,7 +21,7 @@ def main(source: str, target: str, share: float) -> int:
         try:
             mesh = recede.read(path)
             result = recede.simplify(mesh, relative_error=share)
-            recede.write(folder / (path.stem + ".ply"), result.mesh)
+            recede.write(folder / path.name, result.mesh)
         except recede.Error as error:
             print(f"{path.name:32} {error}")
             failures += 1

@@ -25,8 +25,6 @@ ProceduralVolume procedural(const std::string& name, const py::dict& from) {
   read(from, "wire", mail.wire);
   WeaveOptions cloth;
   read(from, "thread", cloth.thread);
-  read(from, "warp_color", cloth.warp_color);
-  read(from, "weft_color", cloth.weft_color);
   BarkOptions plates;
   read(from, "seed", plates.seed);
   read(from, "cracks", plates.cracks);

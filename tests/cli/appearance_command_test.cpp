@@ -76,7 +76,7 @@ TEST(AppearanceCommand, FalseColoursShowTheMethod) {
   EXPECT_GT(red, 500);
 }
 
-TEST(AppearanceCommand, DrawsAMapOverAllLevelsOfAHierarchy) {
+TEST(AppearanceCommand, DrawsAMapOverALevelOfAHierarchy) {
   if (k_sanitized) GTEST_SKIP() << "millions of rays, and no other code than in the rest";
   const WavyTorus torus;
   ASSERT_EQ(
