@@ -1,4 +1,4 @@
-// SharedMaps maps as Python holds them.
+// Baked maps as Python holds them.
 #pragma once
 
 #include <recede/lod/displacement_bake.h>

@@ -10,6 +10,7 @@
 #include <recede/render/far_level.h>
 #include <recede/render/report.h>
 
+#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -39,10 +40,7 @@ struct OutputChoice {
 
 OutputChoice read_output_choice(const py::dict& from) {
   OutputChoice output;
-  std::vector<double> up{0, 1, 0};
-  read(from, "up", up);
-  if (up.size() != 3) throw OptionError("up must have three numbers");
-  output.report.up = {up[0], up[1], up[2]};
+  read(from, "up", output.report.up);
   read(from, "report", output.has_report);
   read(from, "glb_per_level", output.write.glb_per_level);
   read(from, "viewer_triangles", output.report.viewer_triangles);

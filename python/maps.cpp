@@ -1,4 +1,4 @@
-// SharedMaps maps for Python.
+// Baked maps for Python.
 #include "baked_maps.h"
 #include "calls.h"
 #include "numpy_arrays.h"

@@ -48,14 +48,14 @@ function start() {
   });
 
   // Where less than half of a texel is covered there is nothing.
-  const look = async (level) => level.billboards ? new MeshLambertMaterial({ alphaTest: 0.5, ...under_lines,
+  const materialOf = async (level) => level.billboards ? new MeshLambertMaterial({ alphaTest: 0.5, ...under_lines,
     ...await texturesOf(level) }) : surface;
 
   const meshes = new Map();
   // The level's surface and lines, unpacked when it is seen for the first time.
   function load(level) {
     if (!meshes.has(level)) {
-      meshes.set(level, Promise.all([unpack(level, model), look(level)]).then(([parts, material]) => {
+      meshes.set(level, Promise.all([unpack(level, model), materialOf(level)]).then(([parts, material]) => {
         const group = new Group();
         group.add(new Mesh(parts.geometry, material), new Mesh(parts.geometry, lines));
         group.visible = false;
