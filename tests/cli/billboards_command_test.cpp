@@ -74,6 +74,25 @@ TEST(BillboardsCommand, TakesTheBuiltInTree) {
   EXPECT_LT(result["clouds"][0]["billboards"].get<std::size_t>(), 2400u);  // it has as many leaves
 }
 
+TEST(BillboardsCommand, SaysInTextWhatTheDocumentHas) {
+  const TempFolder folder;
+  // Four points of the unit square's corners, two faces that lean by 45 degrees, and one without an area.
+  folder.write("roof.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 1\nv 1 2 0\nv 0 2 0\nv 0.5 1 1\n"
+               "f 1 2 3 4\nf 4 3 5 6\nf 4 7 3\n");
+  const std::vector<std::string> arguments{"billboards", folder / "roof.obj", "--errors", "2"};
+  std::vector<std::string> with_json = arguments;
+  with_json.emplace_back("--json");
+  const CommandResult text = run_recede(arguments);
+  EXPECT_THAT(text.remarks, HasSubstr("1 faces without area are left out\n"));
+  const nlohmann::json result = json_of(run_recede(with_json));
+  EXPECT_EQ(result["left_out"], 1);
+  const nlohmann::json& cloud = result["clouds"][0];
+  EXPECT_EQ(cloud["billboards"], 1);
+  EXPECT_NEAR(cloud["largest_deviation"], 45, 1e-9);
+  EXPECT_THAT(text.output, testing::ContainsRegex("\n2 +1 .* 45\\.0 deg\n"));
+}
+
 TEST(BillboardsCommand, WritesTexturesAsLevels) {
   const TempFolder folder;
   const std::string sphere = write_sphere(folder, 500), out = folder / "out";

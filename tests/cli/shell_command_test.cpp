@@ -4,6 +4,7 @@
 #include <recede/geometry/alpha_wrap.h>
 #include <recede/geometry/mesh_io.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace recede::test {
@@ -29,6 +30,29 @@ TEST(ShellCommand, WritesAClosedMeshAroundASurface) {
     EXPECT_LE(result[side]["thickness"]["max"], 1.01);
   }
   EXPECT_EQ(read_soup(out).n_faces(), 2 * result["triangles"].get<std::size_t>());
+}
+
+TEST(ShellCommand, SaysInTextWhatTheDocumentHas) {
+  const TempFolder folder;
+  std::vector<std::string> arguments{
+      "shell",    write_sphere(folder, 500), "--relative-thickness", "0.1", "--side",
+      "envelope", "--keep-directors"};
+  const std::string text = run_recede(arguments).output;
+  arguments.emplace_back("--json");
+  const nlohmann::json result = json_of(run_recede(arguments));
+  EXPECT_THAT(text,
+              HasSubstr(fmt::format("thickness    {:.4g} (10 %)\n", result["thickness"].get<double>())));
+  for (const char* side : {"exterior", "interior"}) {
+    const nlohmann::json& layer = result[side];
+    EXPECT_THAT(text, HasSubstr(fmt::format("{:<12} valid; {:.3g} % of the thickness, {:.3g} % at least\n",
+                                            side, 100 * layer["thickness"]["mean"].get<double>(),
+                                            100 * layer["thickness"]["min"].get<double>())));
+    EXPECT_THAT(
+        text, HasSubstr(fmt::format("{} prisms inverted, {} contacts; {} directors shortened in {} rounds\n",
+                                    layer["inverted_before"].get<int>(), layer["contacts_before"].get<int>(),
+                                    layer["shortened"].get<int>(), layer["repair_rounds"].get<int>())));
+  }
+  EXPECT_NE(result["exterior"]["thickness"]["mean"], result["interior"]["thickness"]["mean"]);
 }
 
 TEST(ShellCommand, KeepsDirectorsOnDemand) {
