@@ -7,6 +7,7 @@
 #include <recede/render/renderer.h>
 
 #include <limits>
+#include <numbers>
 
 namespace recede::test {
 namespace {
@@ -383,7 +384,7 @@ TEST(TurntableCommand, GoesAwayOverTheLevels) {
   const json& eye = frames.back().at("eye");
   const Vec3 at(eye[0], eye[1], eye[2]);
   EXPECT_NEAR(at.norm(), 1000, 1e-9);
-  EXPECT_NEAR(std::atan2(at.x(), at.z()), 75 * 3.14159265358979 / 180, 1e-12);
+  EXPECT_NEAR(std::atan2(at.x(), at.z()), 75 * std::numbers::pi / 180, 1e-12);
 }
 
 TEST(RenderCommand, DrawsHeightsByEveryMethodAlike) {

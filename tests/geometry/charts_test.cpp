@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace recede {
@@ -34,7 +35,7 @@ PolygonSoup box_of_triangles() {
 /// A torus of n x 2n quads.
 PolygonSoup torus(Index n) {
   PolygonSoup soup;
-  const double turn = 2 * 3.14159265358979;
+  const double turn = 2 * std::numbers::pi;
   for (Index i = 0; i < 2 * n; ++i) {
     for (Index j = 0; j < n; ++j) {
       const double a = turn * i / (2.0 * n), b = turn * j / n;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace recede {
@@ -18,7 +19,7 @@ constexpr MapBorder k_borders[] = {MapBorder::clamped, MapBorder::periodic};
 /// bits, periodic. Large exponents are smooth, small ones rough.
 DisplacementMap make_waves(int size, double exponent, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> phase(0, 2 * 3.141592653589793);
+  std::uniform_real_distribution<double> phase(0, 2 * std::numbers::pi);
   std::normal_distribution<double> strength;
   const auto n = static_cast<std::size_t>(size);
   std::vector<double> heights(n * n, 0.0);
@@ -30,7 +31,7 @@ DisplacementMap make_waves(int size, double exponent, unsigned seed) {
       const double start = phase(random);
       for (std::size_t i = 0; i < heights.size(); ++i) {
         const auto x = static_cast<double>(i % n), y = static_cast<double>(i / n);
-        heights[i] += amplitude * std::cos(2 * 3.141592653589793 * (kx * x + ky * y) / size + start);
+        heights[i] += amplitude * std::cos(2 * std::numbers::pi * (kx * x + ky * y) / size + start);
       }
     }
   }

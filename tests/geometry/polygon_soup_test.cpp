@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace recede {
 namespace {
@@ -185,7 +186,7 @@ TEST(Triangulate, CutsALargeStarIntoTrianglesOfItsOwnArea) {
   PolygonSoup soup;
   std::vector<Index> face;
   for (Index i = 0; i < n; ++i) {
-    const double angle = 2 * 3.14159265358979 * i / n, r = i % 2 == 0 ? 1 : 0.5;
+    const double angle = 2 * std::numbers::pi * i / n, r = i % 2 == 0 ? 1 : 0.5;
     soup.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), 0);
     face.push_back(i);
   }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <ostream>
 #include <random>
@@ -154,7 +155,7 @@ PolygonSoup fan(Index n) {
   PolygonSoup soup;
   soup.positions.emplace_back(0, 0, 0.3);
   for (Index i = 0; i < n; ++i) {
-    const double angle = 2 * 3.14159265358979 * i / n;
+    const double angle = 2 * std::numbers::pi * i / n;
     soup.positions.emplace_back(std::cos(angle), std::sin(angle), 0);
   }
   for (Index i = 0; i < n; ++i) soup.add_face(std::vector<Index>{0, 1 + i, 1 + (i + 1) % n});

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -39,7 +40,7 @@ inline CubeSphere make_cube_sphere(int n, double relief, const Vec3& center, uns
     if (is_new) {
       Vec3 direction;
       for (std::size_t k = 0; k < 3; ++k) {
-        direction[static_cast<Eigen::Index>(k)] = std::tan(0.25 * 3.141592653589793 * (2.0 * at[k] / n - 1));
+        direction[static_cast<Eigen::Index>(k)] = std::tan(0.25 * std::numbers::pi * (2.0 * at[k] / n - 1));
       }
       sphere.vertices.push_back(center + radius(random) * direction.normalized());
     }

@@ -5,38 +5,15 @@
 #include <recede/geometry/displacement_map.h>
 
 #include <cmath>
-#include <map>
 #include <random>
 #include <vector>
 
 namespace recede::test {
 
-/// An octahedron whose triangles were halved `rounds` times along each side, on the unit sphere. Each octant
-/// has its own part of the map where `one_chart`; else each triangle has one of its own, so that every edge
-/// is a seam.
+/// `octahedral_sphere` with normals. Each octant has its own part of the map where `one_chart`; else each
+/// triangle has one of its own, so that every edge is a seam.
 inline PolygonSoup sphere_base(int rounds, bool one_chart = true) {
-  PolygonSoup soup =
-      soup_of({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-              {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
-  for (int round = 0; round < rounds; ++round) {
-    PolygonSoup finer;
-    finer.positions = soup.positions;
-    std::map<std::pair<Index, Index>, Index> middles;
-    const auto middle = [&](Index a, Index b) {
-      const auto [entry, is_new] =
-          middles.try_emplace(std::minmax(a, b), static_cast<Index>(finer.positions.size()));
-      if (is_new) finer.positions.push_back((soup.positions[a] + soup.positions[b]).normalized());
-      return entry->second;
-    };
-    for (std::size_t f = 0; f < soup.n_faces(); ++f) {
-      const Index a = soup.face(f)[0], b = soup.face(f)[1], c = soup.face(f)[2];
-      const Index ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const std::vector<Index>& face :
-           {std::vector<Index>{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
-        finer.add_face(face);
-    }
-    soup = std::move(finer);
-  }
+  PolygonSoup soup = octahedral_sphere(rounds);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(0, 1);
   for (std::size_t f = 0; f < soup.n_faces(); ++f) {

@@ -1,14 +1,13 @@
 // Surfaces whose averaged distances are known, and integrals over triangles by other means.
 #pragma once
 
+#include "simple_soups.h"
 #include <recede/shells/lp_distance.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 namespace recede::test {
@@ -51,41 +50,21 @@ inline PolygonSoup dihedral(double angle, double size) {
   return soup;
 }
 
-/// The unit sphere: an octahedron whose triangles are cut in four `levels` times, 8 * 4^levels of them,
-/// turned outward. `may_stay` says of a centroid whether the triangle is there.
+/// `octahedral_sphere` without the triangles of which `may_stay` says so, by their centroids on the sphere.
 template <typename MayStay>
 PolygonSoup part_of_sphere(int levels, MayStay&& may_stay) {
-  std::vector<Vec3> positions = {Vec3::UnitX(),  Vec3::UnitY(),  Vec3::UnitZ(),
-                                 -Vec3::UnitX(), -Vec3::UnitY(), -Vec3::UnitZ()};
-  std::vector<std::array<Index, 3>> triangles = {{0, 1, 2}, {1, 3, 2}, {3, 4, 2}, {4, 0, 2},
-                                                 {1, 0, 5}, {3, 1, 5}, {4, 3, 5}, {0, 4, 5}};
-  for (int level = 0; level < levels; ++level) {
-    std::map<std::pair<Index, Index>, Index> middles;
-    const auto middle = [&](Index a, Index b) {
-      const auto [entry, is_new] =
-          middles.try_emplace(std::minmax(a, b), static_cast<Index>(positions.size()));
-      if (is_new) positions.push_back(Vec3(positions[a] + positions[b]).normalized());
-      return entry->second;
-    };
-    std::vector<std::array<Index, 3>> finer;
-    for (const auto& [a, b, c] : triangles) {
-      const Index ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-    }
-    triangles = std::move(finer);
+  const PolygonSoup whole = octahedral_sphere(levels);
+  PolygonSoup part;
+  part.positions = whole.positions;
+  for (std::size_t f = 0; f < whole.n_faces(); ++f) {
+    Vec3 sum = Vec3::Zero();
+    for (const Index v : whole.face(f)) sum += whole.positions[v];
+    if (may_stay(Vec3(sum.normalized()))) part.add_face(whole.face(f));
   }
-  PolygonSoup soup;
-  soup.positions = std::move(positions);
-  for (const auto& t : triangles) {
-    if (may_stay(Vec3((soup.positions[t[0]] + soup.positions[t[1]] + soup.positions[t[2]]).normalized())))
-      soup.add_face(t);
-  }
-  return soup;
+  return part;
 }
 
-inline PolygonSoup sphere(int levels) {
-  return part_of_sphere(levels, [](const Vec3&) { return true; });
-}
+inline PolygonSoup sphere(int levels) { return octahedral_sphere(levels); }
 
 /// An ellipsoid with bumps of 8 * 4^levels triangles, about 2.6 units long.
 inline PolygonSoup bumpy_ellipsoid(int levels) {

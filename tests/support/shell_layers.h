@@ -1,13 +1,11 @@
 // Layers of prisms for tests.
 #pragma once
 
-#include <recede/geometry/vec.h>
+#include "simple_soups.h"
 #include <recede/shells/shell_validity.h>
 
 #include <cmath>
-#include <map>
 #include <random>
-#include <utility>
 #include <vector>
 
 namespace recede::test {
@@ -43,23 +41,9 @@ inline Layer joined(Layer a, const Layer& b) {
 /// (1 - relief) and 1 times `radius`; the tops lie at `height` times the bottoms.
 inline Layer sphere_layer(int cuts, double radius, double relief, double height, unsigned seed) {
   Layer layer;
-  layer.bottom = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  layer.triangles = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
-  for (int cut = 0; cut < cuts; ++cut) {
-    std::map<std::pair<Index, Index>, Index> middles;
-    const auto middle = [&](Index a, Index b) {
-      const auto [entry, is_new] = middles.try_emplace(std::minmax(a, b), layer.bottom.size());
-      if (is_new) layer.bottom.push_back((layer.bottom[a] + layer.bottom[b]).normalized());
-      return entry->second;
-    };
-    std::vector<Index> finer;
-    for (std::size_t t = 0; t < layer.triangles.size(); t += 3) {
-      const Index a = layer.triangles[t], b = layer.triangles[t + 1], c = layer.triangles[t + 2];
-      const Index ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const Index v : {a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca}) finer.push_back(v);
-    }
-    layer.triangles = std::move(finer);
-  }
+  const PolygonSoup sphere = octahedral_sphere(cuts);
+  layer.bottom = sphere.positions;
+  layer.triangles = sphere.corner_vertices;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> between(1 - relief, 1);
   for (Vec3& p : layer.bottom) {

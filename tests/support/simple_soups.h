@@ -3,8 +3,10 @@
 
 #include <recede/geometry/polygon_soup.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -37,6 +39,34 @@ inline PolygonSoup grid(Index n, bool triangles = false) {
   return soup;
 }
 
+/// The unit sphere: an octahedron whose triangles were cut in four `rounds` times, 8 * 4^rounds of them that
+/// face outward.
+inline PolygonSoup octahedral_sphere(int rounds) {
+  PolygonSoup soup =
+      soup_of({{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
+              {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+  for (int round = 0; round < rounds; ++round) {
+    PolygonSoup finer;
+    finer.positions = soup.positions;
+    std::map<std::pair<Index, Index>, Index> middles;
+    const auto middle = [&](Index a, Index b) {
+      const auto [entry, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<Index>(finer.positions.size()));
+      if (is_new) finer.positions.push_back((soup.positions[a] + soup.positions[b]).normalized());
+      return entry->second;
+    };
+    for (std::size_t f = 0; f < soup.n_faces(); ++f) {
+      const Index a = soup.face(f)[0], b = soup.face(f)[1], c = soup.face(f)[2];
+      const Index ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      for (const std::vector<Index>& face :
+           {std::vector<Index>{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
+        finer.add_face(face);
+    }
+    soup = std::move(finer);
+  }
+  return soup;
+}
+
 /// A sheet of hexagons over part of the plane, bent into a bowl: every interior vertex has three faces.
 inline PolygonSoup hexagon_sheet(int n) {
   PolygonSoup soup;
@@ -64,7 +94,7 @@ inline PolygonSoup prism(Index n) {
   PolygonSoup soup;
   for (int z = 0; z < 2; ++z) {
     for (Index i = 0; i < n; ++i) {
-      const double angle = 2 * 3.14159265358979 * i / n;
+      const double angle = 2 * std::numbers::pi * i / n;
       soup.positions.emplace_back(std::cos(angle), std::sin(angle), z);
     }
   }

@@ -13,8 +13,8 @@ namespace recede::test {
 
 /// Polygons over random vertices, three to seven corners each; indices, attributes and materials from a seed.
 struct RandomSoupOptions {
-  bool attributes =
-      true;              ///< all attribute lists, materials and feature edges; else positions and faces only
+  /// All attribute lists, materials and feature edges; else positions and faces only.
+  bool attributes = true;
   bool scalars = false;  ///< and two named scalars
   bool floats = false;   ///< every number fits a 32-bit float
 };
