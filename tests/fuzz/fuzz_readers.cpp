@@ -139,7 +139,12 @@ constexpr Reader k_readers[] = {
     {"scattering-table", ".table", take_scattering_table, seed_scattering_table}};
 
 const Reader* g_reader = nullptr;
-fs::path g_file;
+fs::path g_folder, g_file;
+
+void remove_folder() {
+  std::error_code ignored;
+  fs::remove_all(g_folder, ignored);
+}
 
 std::string value_of(int argc, char** argv, const std::string& name) {
   for (int i = 1; i < argc; ++i) {
@@ -169,12 +174,13 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   }
   // In memory, where there is such a folder.
   const fs::path place = fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
-  const fs::path folder = place / ("recede-fuzz-" + std::to_string(::getpid()));
-  fs::create_directories(folder);
+  g_folder = place / ("recede-fuzz-" + std::to_string(::getpid()));
+  fs::create_directories(g_folder);
+  std::atexit(remove_folder);
   if (g_reader->take == take_hierarchy) {
-    g_file = write_small_hierarchy(folder) / "hierarchy.json";
+    g_file = write_small_hierarchy(g_folder) / "hierarchy.json";
   } else {
-    g_file = folder / (std::string("a") + g_reader->extension);
+    g_file = g_folder / (std::string("a") + g_reader->extension);
   }
   return 0;
 }

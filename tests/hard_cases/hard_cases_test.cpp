@@ -124,8 +124,13 @@ TEST_P(HardCases, HierarchiesAreWrittenAndReadBack) {
   write_hierarchy(folder.path(), hierarchy);
   EXPECT_EQ(hierarchy.levels.size(), 3u);
   for (const LodLevel& level : hierarchy.levels) EXPECT_TRUE(std::isfinite(level.error.bound));
-  const PolygonSoup read = read_soup(folder.path() / (name + ".glb"));
-  EXPECT_GT(read.n_faces(), 0u);
+  EXPECT_GT(read_soup(folder.path() / (name + ".glb")).n_faces(), 0u);
+  const LodHierarchy read = read_hierarchy(folder.path() / (name + ".recede"));
+  ASSERT_EQ(read.levels.size(), hierarchy.levels.size());
+  for (std::size_t i = 0; i < read.levels.size(); ++i) {
+    EXPECT_EQ(read.levels[i].mesh.n_faces(), hierarchy.levels[i].mesh.n_faces()) << i;
+    EXPECT_EQ(read.levels[i].error.bound, hierarchy.levels[i].error.bound) << i;
+  }
 }
 
 std::string case_name(const testing::TestParamInfo<HardCase>& info) { return info.param.name; }
