@@ -238,7 +238,7 @@ void add_levels(const BenchOptions& options, BenchSection& section) {
   Plot memory = log_plot("Fractal sphere: memory", "small triangles", "bytes of a small triangle"),
        camera = log_plot("Rays of a camera, one by one", "small triangles", "microseconds of a ray"),
        incoherent = log_plot("Incoherent rays", "small triangles", "microseconds of a ray"),
-       error = log_plot("Fractal sphere: error over memory", "megabytes, map included",
+       error = log_plot("Fractal sphere: error over memory", "megabytes, with the map where it is kept",
                         "RMS to the finest level, of the diagonal");
   std::string text =
       "**Fractal sphere at growing levels: bytes each ; camera rays 16 together ; camera ; incoherent**\n\n| "

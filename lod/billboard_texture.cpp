@@ -179,6 +179,18 @@ void pack_billboards(double texel, int gutter, BillboardTextures& textures) {
   rasters_of(textures).start(packed.width, packed.height);
 }
 
+// Which share of the atlas is drawn, where opacity is half and more, and which billboards take.
+void count_texels(BillboardTextures& textures) {
+  constexpr std::uint16_t k_half = 128;
+  const auto n = static_cast<double>(textures.bytes() / 8);
+  std::size_t drawn = 0;
+  for (std::size_t i = 3; i < textures.color.samples.size(); i += 4) {
+    if (textures.color.samples[i] >= k_half) ++drawn;
+  }
+  textures.covered = static_cast<double>(drawn) / n;
+  textures.packed = static_cast<double>(textures.n_texels()) / n;
+}
+
 // Colours, normals and heights reach beyond billboards, so that filters find no others there.
 void fill_atlas(const std::vector<TexelBlock>& blocks, BillboardTextures& textures) {
   const int width = textures.color.width, height = textures.color.height;
@@ -199,10 +211,6 @@ void fill_atlas(const std::vector<TexelBlock>& blocks, BillboardTextures& textur
       }
     }
   }
-  std::size_t drawn = 0;
-  for (const float share : opacity) drawn += share >= 0.5f ? 1 : 0;
-  textures.covered = static_cast<double>(drawn) / static_cast<double>(n);
-  textures.packed = static_cast<double>(textures.n_texels()) / static_cast<double>(n);
   detail::fill_holes(values, std::move(known), width, height);
   const auto range = static_cast<float>(textures.height_range);
   detail::BillboardRasters rasters = rasters_of(textures);
@@ -210,6 +218,7 @@ void fill_atlas(const std::vector<TexelBlock>& blocks, BillboardTextures& textur
     values[i][6] = 0.5f + 0.5f * values[i][6] / range;
     rasters.append(values[i], opacity[i]);
   }
+  count_texels(textures);
 }
 
 }  // namespace
@@ -313,6 +322,7 @@ bool place_billboards(const PolygonSoup& quads, BillboardTextures& textures) {
     textures.billboards.push_back(std::move(billboard));
     textures.places.push_back(place);
   }
+  count_texels(textures);
   return true;
 }
 

@@ -43,7 +43,9 @@ void check(const PolygonSoup& model, const BillboardCloud& cloud, const Billboar
       !std::ranges::equal(textures.billboards, cloud.billboards, {}, faces_of, faces_of))
     throw InputError("these textures aren't those of the billboard cloud");
   for (const Billboard& billboard : cloud.billboards) {
-    if (!billboard.faces.empty() && billboard.faces.back() >= model.n_faces())
+    if (billboard.faces.empty())
+      throw InputError("a billboard cloud that was read doesn't know its faces: it has no reflectance");
+    if (billboard.faces.back() >= model.n_faces())
       throw InputError("the billboard cloud isn't one of this model");
   }
 }

@@ -74,8 +74,8 @@ std::size_t raw_bytes(const BillboardReflectance& reflectance);
 ///
 /// Memory besides what `make_local_pca` takes: `memory`, 4 bytes for each texel, side and view, and 64 MB.
 /// The same result for any number of threads, on a processor of the same kind. Throws `OptionError` for
-/// options out of range; `InputError` for impostors, when textures and cloud don't belong together, or
-/// nothing is shown; and `Cancelled`.
+/// options out of range; `InputError` for impostors, clouds that don't know their faces, when textures and
+/// cloud don't belong together, or nothing is shown; and `Cancelled`.
 BillboardReflectance make_billboard_reflectance(const PolygonSoup& model, const BillboardCloud& cloud,
                                                 const BillboardTextures& textures,
                                                 const BillboardReflectanceOptions& options = {},

@@ -229,7 +229,7 @@ class Level:
         """A copy of those that were baked for it"""
     @property
     def billboards(self) -> Optional[BillboardCloud]:
-        """A copy of them; one that was read doesn't know the faces that they stand for"""
+        """A copy of them; one that was read doesn't know its faces: `faces_of`, `errors` and `normal_deviations` are empty or 0"""
 
 class MapFiles:
     """The maps of a level; None: there is no such map."""

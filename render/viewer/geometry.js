@@ -59,7 +59,7 @@ export async function unpack(level, model) {
 }
 
 // A picture of the page, without smaller versions, in which what is covered by halves would vanish.
-export async function texture(png, colorSpace) {
+async function texture(png, colorSpace) {
   const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
   const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }),
     { imageOrientation: "flipY", premultiplyAlpha: "none", colorSpaceConversion: "none" });

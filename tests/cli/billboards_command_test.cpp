@@ -76,7 +76,7 @@ TEST(BillboardsCommand, TakesTheBuiltInTree) {
 
 TEST(BillboardsCommand, SaysInTextWhatTheDocumentHas) {
   const TempFolder folder;
-  // Four points of the unit square's corners, two faces that lean by 45 degrees, and one without an area.
+  // A roof: two faces that lean by 45 degrees, and on its ridge one without an area.
   folder.write("roof.obj",
                "v 0 0 0\nv 1 0 0\nv 1 1 1\nv 0 1 1\nv 1 2 0\nv 0 2 0\nv 0.5 1 1\n"
                "f 1 2 3 4\nf 4 3 5 6\nf 4 7 3\n");
